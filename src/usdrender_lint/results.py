@@ -1,0 +1,182 @@
+"""What does a run give? Findings with their places, what could not be done, and nothing to compute.
+
+Every reporter, the exit code and the language of the summary are functions of a `Report`.
+"""
+
+from __future__ import annotations
+
+import builtins
+import hashlib
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from .rule import AnyRule, Severity
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """A stretch of one line of a text layer. Columns count code points, from 1; the end is exclusive."""
+
+    line: int
+    column: int
+    end_column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Location:
+    """Where the opinion stands."""
+
+    file: str
+    """File that holds the layer, absolute; for a member of a package the `.usdz`."""
+    path: str
+    """The same as shown: relative to the repository's root, `/` as separator."""
+    member: str | None = None
+    """Layer inside the package."""
+    span: Span | None = None
+    """None: a binary layer, or one without a file."""
+    source: str | None = None
+    """The text of that line, without its line break."""
+
+
+class Verdict(StrEnum):
+    """Whether a finding is reported, and if not, by whose word."""
+
+    REPORTED = "reported"
+    BY_COMMENT = "by comment"
+    BY_METADATA = "by metadata"
+    BY_BASELINE = "by baseline"
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """An object that belongs to a finding, with what it has to do with it."""
+
+    message: str
+    location: Location
+    prim_path: str
+    property: str | None
+
+
+@dataclass(frozen=True, slots=True)
+class Located:
+    """A finding that knows its rule, its severity and its place."""
+
+    rule: AnyRule
+    severity: Severity
+    message: str
+    label: str
+    help: str
+    location: Location
+    prim_path: str
+    """"/" for what a layer says about itself."""
+    property: str | None
+    target: str | None
+    related: tuple[Place, ...] = ()
+    roots: tuple[str, ...] = ()
+    """The stages in which it holds, as shown paths."""
+    variants: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    """`/Render{quality}` and the variants of that set in which it holds; empty: in all that were linted."""
+    verdict: Verdict = Verdict.REPORTED
+
+    @builtins.property
+    def sort_key(self) -> tuple[object, ...]:
+        span = self.location.span
+        return (
+            self.location.path,
+            self.location.member or "",
+            span.line if span else 0,
+            span.column if span else 0,
+            self.rule.id,
+            self.prim_path,
+            self.property or "",
+            self.target or "",
+            self.message,
+        )
+
+    @builtins.property
+    def identity(self) -> tuple[object, ...]:
+        """Equal for the same finding met through several stages, if it fares alike in them."""
+        return (*self.sort_key, self.severity, self.verdict)
+
+    @builtins.property
+    def fingerprint(self) -> str:
+        """16 hex digits that survive edits elsewhere in the file: no line, no time."""
+        path = self.location.path
+        if self.location.member:
+            path = f"{path}[{self.location.member}]"
+        parts = (self.rule.id, path, self.prim_path, self.property or "", self.target or "")
+        return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:16]
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """Something that kept the run from being complete. Never a finding, never hidden."""
+
+    kind: str
+    """unreadable-file, missing-path, no-usd-files, crashed-rule, crashed-usd ..."""
+    path: str
+    """As shown."""
+    message: str
+    rule: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RendererChoice:
+    """Which renderer a stage was judged by, and why."""
+
+    root: str
+    name: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """A rule that was asked for and cannot run, and what would make it."""
+
+    rule: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """One whole run."""
+
+    version: str
+    """Of this program."""
+    rules: tuple[AnyRule, ...]
+    """All rules that ran, by id."""
+    files: tuple[str, ...]
+    """Root layers that were linted, as shown, sorted."""
+    findings: tuple[Located, ...]
+    """By path, line, column, rule; without the suppressed ones."""
+    problems: tuple[Problem, ...] = ()
+    renderers: tuple[RendererChoice, ...] = ()
+    skipped: tuple[Skipped, ...] = ()
+    """Rules that were asked for and did not run."""
+    layers: tuple[str, ...] = ()
+    """Files of all layers that took part, as shown, sorted; packages once."""
+    chatter: tuple[str, ...] = ()
+    """What USD said on the way that became no finding; for `-v`."""
+    suppressed: tuple[Located, ...] = ()
+    """What a comment, metadata or the baseline hides, in the same order."""
+    ran: dict[str, frozenset[str]] = field(default_factory=dict)
+    """For each linted file, as shown, the rules whose silence tells that there is nothing to find:
+    those that ran, if the run was complete and every stage that uses the file was whole."""
+    counts: dict[Severity, int] = field(init=False, default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.counts.update((s, sum(f.severity is s for f in self.findings)) for s in Severity)
+
+    @builtins.property
+    def complete(self) -> bool:
+        return not self.problems
+
+    @builtins.property
+    def in_baseline(self) -> int:
+        """How many findings the baseline hides."""
+        return sum(f.verdict is Verdict.BY_BASELINE for f in self.suppressed)
+
+    @builtins.property
+    def ignored(self) -> int:
+        """How many findings the layers themselves hide."""
+        return len(self.suppressed) - self.in_baseline
