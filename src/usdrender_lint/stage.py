@@ -1,0 +1,299 @@
+"""How is a root layer opened, as little of it as the rules ask about, without a word on stderr?"""
+
+from __future__ import annotations
+
+import re
+import stat
+from collections.abc import Iterable, Iterator
+from contextlib import ExitStack, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from pxr import Sdf, Tf, Usd
+
+PROBE = "__probe__"
+"""No prim has this name: masking `/World/set/__probe__` populates `/World/set` and its
+ancestors, and none of its children."""
+
+RENDER_RELATIONSHIPS = ("camera", "products", "orderedVars", "renderSource", "inputPasses")
+
+_MAX_ROUNDS = 8
+"""Of widening: chains of forwarded relationships longer than this are nobody's intent."""
+
+_LFS = b"version https://git-lfs.github.com/spec/v1"
+_HEADER = re.compile(rb"#(?:usda|sdf)\b")
+
+
+def sentences(said: Iterable[Any]) -> list[str]:
+    """The texts of diagnostics. One that USD breaks off within a letter cannot be read at all."""
+    found = []
+    for one in said:
+        with suppress(UnicodeDecodeError):
+            found.append(one.commentary.strip())
+    return found
+
+
+class Diagnostics:
+    """Collects what USD would print while it is entered."""
+
+    def __init__(self) -> None:
+        self.messages: list[str] = []
+        self._ending = ExitStack()
+        self._trap: Any = None
+
+    def __enter__(self) -> Diagnostics:
+        # Tf.DiagnosticTrap is absent in 25.11; importing UsdUtils costs 58 ms.
+        if hasattr(Tf, "DiagnosticTrap"):
+            self._trap = self._ending.enter_context(Tf.DiagnosticTrap())
+        else:
+            from pxr import UsdUtils
+
+            self._trap = UsdUtils.CoalescingDiagnosticDelegate()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.collect()
+        self._ending.close()
+        self._trap = None
+
+    def collect(self) -> None:
+        """Take what was said so far. What is left in a trap is printed when it ends."""
+        if hasattr(self._trap, "TakeUncoalescedDiagnostics"):
+            said = self._trap.TakeUncoalescedDiagnostics()
+        else:
+            said = [
+                *self._trap.GetErrors(),
+                *self._trap.GetWarnings(),
+                *self._trap.GetStatuses(),
+            ]
+            self._trap.Clear()
+        self.messages.extend(sentences(said))
+
+
+@dataclass(frozen=True, slots=True)
+class ParseProblem:
+    """Why the text of a layer is no usda. `column` counts bytes from 1, as USD does; 0 where only an
+    expression is known to be wrong and its place has to be found in the text."""
+
+    file: str
+    message: str
+    line: int = 0
+    column: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable:
+    """Why a file is no layer at all. Not a finding: nothing of it could be looked at."""
+
+    file: str
+    kind: str
+    message: str
+    asked_by: str | None = None
+    """File of the layer that brings it in."""
+
+
+@dataclass(slots=True)
+class Opened:
+    """A stage and what was learned while opening it. Everything in it dies with it."""
+
+    stage: Usd.Stage
+    scopes: tuple[str, ...]
+    unreadable: list[Unreadable] = field(default_factory=list)
+    unparsed: list[ParseProblem] = field(default_factory=list)
+
+
+def look(file: str) -> Unreadable | None:
+    """What the first bytes tell before USD is asked; its own messages differ by extension."""
+    if not file.isascii() and file.encode(errors="replace").decode() != file:
+        return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
+    try:
+        if stat.S_ISFIFO(Path(file).stat().st_mode):
+            # To open it would be to wait for somebody who writes into it.
+            return Unreadable(file, "unreadable-file", "a named pipe, not a file")
+        with Path(file).open("rb") as stream:
+            head = stream.read(1024)
+    except IsADirectoryError:
+        return Unreadable(file, "unreadable-file", "a folder, not a file")
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        return Unreadable(file, "unreadable-file", f"cannot be read: {reason}")
+    if not head:
+        return Unreadable(file, "unreadable-file", "the file is empty")
+    if head.startswith(_LFS):
+        return Unreadable(
+            file, "lfs-pointer", "a Git LFS pointer, not the file itself: run `git lfs pull`"
+        )
+    if head.startswith(b"\xef\xbb\xbf"):
+        return Unreadable(
+            file,
+            "unreadable-file",
+            "begins with a UTF-8 byte order mark, which USD refuses: save it as UTF-8 without BOM",
+        )
+    return _wrong_format(file, head)
+
+
+def _wrong_format(file: str, head: bytes) -> Unreadable | None:
+    suffix = Path(file).suffix.lower()
+    is_crate, is_package = head.startswith(b"PXR-USDC"), head.startswith(b"PK\x03\x04")
+    expected = {".usda": not (is_crate or is_package), ".usdc": is_crate, ".usdz": is_package}
+    if not expected.get(suffix, True):
+        found = (
+            "a binary crate"
+            if is_crate
+            else "a zip package"
+            if is_package
+            else "usda text"
+            if _HEADER.match(head)
+            else "something else"
+        )
+        return Unreadable(
+            file, "unreadable-file", f"named {suffix}, but holds {found}: USD opens it by its name"
+        )
+    if not (is_crate or is_package) and b"\0" in head:
+        return Unreadable(file, "unreadable-file", "binary data that is not USD")
+    return None
+
+
+def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
+    """The layer, or why there is none."""
+    if found := look(file):
+        return found
+    try:
+        layer = Sdf.Layer.FindOrOpen(file)
+    except Tf.ErrorException as error:
+        return _why_not(file, sentences(error.args))
+    if layer is None:
+        what = (
+            "no layer in it that opens"
+            if file.lower().endswith(".usdz")
+            else "nothing of USD in it"
+        )
+        return Unreadable(file, "unreadable-file", f"USD finds {what}")
+    return layer
+
+
+_AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
+_NEAR = re.compile(r"(.*?) at '(.*)' in <(.*)>", re.S)
+_EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+): (.*)", re.S)
+
+
+def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
+    """USD's sentences hold C++ names and temporary paths: the facts in them, in other words."""
+    for text in said:
+        if match := _AT.search(text):
+            line, column, what = int(match[1]), int(match[2]), match[3].strip()
+            near = _NEAR.fullmatch(what)
+            told = _sentence(near[1], near[2]) if near else _sentence(what, "")
+            return ParseProblem(file, told, line, column)
+        if match := _EXPRESSION.search(text):
+            return ParseProblem(file, f"ill-formed path expression: {match[3]}")
+    if not _looks_binary(file):
+        return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
+    detail = "truncated or damaged"
+    for text in said:
+        if "version" in text.lower():
+            detail = "written by a version of USD that this one does not read"
+    return Unreadable(file, "unreadable-file", f"USD cannot open it: {detail}")
+
+
+def _sentence(expected: str, near: str) -> str:
+    expected = expected.strip()
+    if "::" in expected or "pxrInternal" in expected:  # a rule of the parser, by its C++ name
+        expected = "this is no usda"
+    expected = expected[:1].lower() + expected[1:]
+    # USD quotes the rest of the line; the first word of it is what it stumbled over.
+    word = next(iter(near.split()), "")
+    return f"{expected}, found '{word[:40]}'" if word else expected
+
+
+def _looks_binary(file: str) -> bool:
+    with Path(file).open("rb") as stream:
+        head = stream.read(1024)
+    return b"\0" in head or head.startswith((b"PXR-USDC", b"PK\x03\x04"))
+
+
+def open_stage(
+    layer: Sdf.Layer,
+    scopes: tuple[str, ...],
+    session: Sdf.Layer | None = None,
+    *,
+    whole: bool = False,
+) -> Opened:
+    """The stage of `layer`, with the scopes, all their relationships lead to, and little else; or
+    all of it.
+
+    Errors while opening become `Tf.ErrorException`, as everywhere in USD's Python.
+    """
+    session = session or Sdf.Layer.CreateAnonymous("session")
+    if whole:
+        return Opened(Usd.Stage.Open(layer, session), scopes)
+    mask = Usd.StagePopulationMask()
+    for scope in scopes:
+        mask.Add(Sdf.Path(scope))
+    return Opened(Usd.Stage.OpenMasked(layer, session, mask), scopes)
+
+
+def widen(opened: Opened, wanted: Iterable[str]) -> bool:
+    """Populate these prims too, each with its ancestors but without what lies below it.
+
+    True if the mask grew.
+    """
+    mask = opened.stage.GetPopulationMask()
+    probes = []
+    for text in wanted:
+        path = Sdf.Path(text).GetPrimPath().StripAllVariantSelections()
+        # A mask that is given a property path raises and keeps the path (26.11).
+        if not path.IsAbsoluteRootOrPrimPath() or path == Sdf.Path.absoluteRootPath:
+            continue
+        probe = path.AppendChild(PROBE)
+        if not mask.Includes(probe):
+            probes.append(probe)
+    if probes:
+        # Adding them one by one takes quadratic time.
+        opened.stage.SetPopulationMask(mask.GetUnion(Usd.StagePopulationMask(probes)))
+    return bool(probes)
+
+
+def widen_to_targets(opened: Opened, first: Iterable[str]) -> None:
+    """Populate `first`, and what the render prims on the stage lead to, until nothing new turns up."""
+    widen(opened, first)
+    for _ in range(_MAX_ROUNDS):
+        wanted = {str(path) for prim in render_prims(opened) for path in _led_to(prim)}
+        if not widen(opened, sorted(wanted)):
+            return
+
+
+def render_prims(opened: Opened) -> Iterator[Usd.Prim]:
+    """Every prim of a render type that is populated, in the scopes or elsewhere, whatever its state."""
+    for prim in opened.stage.GetPseudoRoot().GetAllChildren():
+        yield from (p for p in all_below(prim) if is_render_prim(p))
+
+
+def all_below(prim: Usd.Prim) -> Iterator[Usd.Prim]:
+    """`prim` and all populated prims below it, also inactive, undefined, abstract, in instances."""
+    predicate = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
+    return iter(Usd.PrimRange(prim, predicate))
+
+
+def is_render_prim(prim: Usd.Prim) -> bool:
+    # By name: importing the UsdRender module only for IsA costs more than the answer.
+    return bool(prim.GetTypeName()) and (
+        prim.IsA("RenderSettings")
+        or prim.IsA("RenderProduct")
+        or prim.IsA("RenderVar")
+        or prim.IsA("RenderPass")
+    )
+
+
+def _led_to(prim: Usd.Prim) -> Iterator[Sdf.Path]:
+    for relationship in prim.GetAuthoredRelationships():
+        if relationship.GetName() in RENDER_RELATIONSHIPS:
+            with _unless_attribute():
+                yield from relationship.GetTargets()
+                yield from relationship.GetForwardedTargets()
+
+
+def _unless_attribute() -> suppress:
+    """A relationship that some layer authors as an attribute raises when asked for targets."""
+    return suppress(Tf.ErrorException)
