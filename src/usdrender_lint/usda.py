@@ -1,0 +1,402 @@
+"""Where in the text of a usda layer does an Sdf spec stand?
+
+For places only, never for truth: text that Sdf refuses gets an answer too.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from .results import Span
+from .usda_lines import LINE_BREAK, Lines, Range
+
+if TYPE_CHECKING:
+    from .usda_scan import Block, Scan, Statement
+
+PATH = re.compile(r"(?P<prim>(?:[^.{]|\{[^}]*\})*)(?:\.(?P<property>[^\[]*))?")
+STEP = re.compile(r"\{(?P<set>[^={}]*)=(?P<variant>[^{}]*)\}|(?P<prim>[^/{}]+)")
+ESCAPE = re.compile(rb"\\(?:x([0-9a-fA-F]{0,2})|([0-7]{1,3})|(.))", re.S)
+CONTROL = dict(zip(b"abfnrtv", b"\a\b\f\n\r\t\v", strict=True))
+
+KEYWORDS = {
+    "documentation": "doc",
+    "inheritPaths": "inherits",
+    "layerRelocates": "relocates",
+    "subLayerOffsets": "subLayers",
+    "variantSelection": "variants",
+    "variantSetNames": "variantSets",
+}
+"""Sdf fields that the text calls by another name."""
+ORDERS = {"primOrder": (b"nameChildren", b"rootPrims"), "propertyOrder": (b"properties",)}
+SUFFIXES = {
+    "default": b"",
+    "targetPaths": b"",
+    "connectionPaths": b"connect",
+    "spline": b"spline",
+    "timeSamples": b"timeSamples",
+}
+"""Fields of a property that are values, and what follows the name in the text."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expression:
+    """A path expression as written."""
+
+    path: str
+    """Of its attribute, in the layer's namespace."""
+    text: str
+    span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class Comment:
+    """A comment, and what it may be about."""
+
+    text: str
+    """With its mark, as far as its first line goes."""
+    line: int
+    column: int
+    below: int | None
+    """The next line that holds more than a comment; None if the comment does not stand alone."""
+    path: str
+    """The prim in whose text it stands, with its variants; "/" for none."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """An Sdf path in the namespace of a layer."""
+
+    steps: tuple[tuple[str, ...], ...]
+    """A prim's name, or a variant set and a variant."""
+    property_name: str | None
+
+    @classmethod
+    def of(cls, text: str) -> _Path:
+        match = PATH.match(text)
+        assert match, "the pattern matches the empty text"  # noqa: S101
+        found = STEP.finditer(match["prim"])
+        steps = ((m["prim"],) if m["prim"] else (m["set"], m["variant"]) for m in found)
+        return cls(tuple(steps), match["property"])
+
+    @property
+    def owner(self) -> str:
+        """The prim without variants: what relative targets start from."""
+        return "/" + "/".join(step[0] for step in self.steps if len(step) == 1)
+
+
+class UsdaText:
+    """The text of one usda layer. Nothing is read before it is asked for."""
+
+    def __init__(self, data: bytes) -> None:
+        self._data = data
+        self._targets: dict[tuple[int, str], dict[str, Range]] = {}
+
+    @cached_property
+    def _scan(self) -> Scan:
+        # Its patterns take 15 ms to compile, which a run without findings saves.
+        from .usda_scan import Scan
+
+        return Scan(self._data)
+
+    @cached_property
+    def _lines(self) -> Lines:
+        return Lines(self._data)
+
+    def span(self, path: str, field: str | None = None, target: str | None = None) -> Span | None:
+        """Of the entry `target`, else the field's value, the property's name, the prim's name, the
+        parent's name and so upward, else the first line. None for an empty text."""
+        spans = map(self._span, self._ladder(_Path.of(path), field, target))
+        return next(filter(None, spans), None)
+
+    def line(self, number: int) -> str:
+        """The text of a line, from 1, without its line break."""
+        return self._text(self._lines.range(number))
+
+    def written_target(self, path: str, target: str) -> str | None:
+        """The text between the angle brackets of the entry that means `target`."""
+        parsed = _Path.of(path)
+        blocks = self._descend(parsed)
+        if parsed.property_name is None or len(blocks) <= len(parsed.steps):
+            return None
+        entry = self._targets_of(blocks[-1], parsed).get(target)
+        return self._text((entry[0] + 1, entry[1] - 1)) if entry else None
+
+    def mentions(self, word: bytes) -> bool:
+        return word in self._data
+
+    def comments(self, word: bytes) -> Iterator[Comment]:
+        """Those that hold a word. If the text does not hold it at all, that is all that is asked."""
+        if word not in self._data:
+            return
+        below = None
+        for start, end in self._scan.comments():
+            if self._data.find(word, start, end) >= 0:
+                # Of several that follow each other the first has walked to the end.
+                if below is None or below <= start:
+                    below = self._scan.below((start, end))
+                line, line_start = self._lines.at(start)
+                yield Comment(
+                    _decoded(LINE_BREAK.split(self._data[start:end])[0]),
+                    line,
+                    1 + len(self._text((line_start, start))),
+                    None if below is None else self._lines.at(below)[0],
+                    self._around(start) or "/",
+                )
+
+    def _around(self, offset: int) -> str:
+        """The innermost prim or variant in whose text or metadata a byte stands; "" for none."""
+        path, block = "", self._scan.root
+        while True:
+            contents = self._scan.contents(block)
+            before = (n for n, start in contents.prims.items() if start <= offset)
+            name = max(before, key=contents.prims.__getitem__, default=None)
+            child = None if name is None else self._scan.prim(block, name)
+            if name is not None and child and offset < child.end:
+                path, block = f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child
+                continue
+            for (of, variant), child in contents.variants.items():
+                if variant and child.name[0] <= offset < child.end:
+                    path, block = f"{path}{{{_decoded(of)}={_decoded(variant)}}}", child
+                    break
+            else:
+                return path
+
+    def expressions(self) -> Iterator[Expression]:
+        """Every value of every attribute declared `pathExpression`, block by block."""
+        waiting = [("", self._scan.root)]
+        while waiting:
+            path, block = waiting.pop()
+            if self._data.find(b"pathExpression", block.start, block.end) < 0:
+                continue
+            contents = self._scan.contents(block)
+            for name, statements in contents.properties.items():
+                for statement in statements:
+                    yield from self._expressions_of(f"{path}.{_decoded(name)}", statement)
+            children = [
+                (f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child)
+                for name in contents.prims
+                if (child := self._scan.prim(block, name))
+            ]
+            children += [
+                (f"{path}{{{_decoded(name)}={_decoded(variant)}}}", child)
+                for (name, variant), child in contents.variants.items()
+            ]
+            waiting += reversed(children)
+
+    def _expressions_of(self, path: str, statement: Statement) -> Iterator[Expression]:
+        declared = self._data[slice(*statement.type)] if statement.type else b""
+        if statement.value and declared.partition(b"[")[0].strip() == b"pathExpression":
+            for string in self._strings(statement.value):
+                span = self._span(string) or self._span(statement.name)
+                if span:
+                    yield Expression(path, self._string(string), span)
+
+    def _strings(self, value: Range, depth: int = 2) -> Iterator[Range]:
+        """The strings of a value: itself, in a list, in time samples, in lists in time samples."""
+        for start, end in self._scan.items(value):
+            if self._data[start] in b"\"'":
+                yield start, end
+            elif self._data[start] in b"[{" and depth:
+                yield from self._strings((start + 1, end - 1), depth - 1)
+
+    # The ladder
+
+    def _ladder(self, path: _Path, field: str | None, target: str | None) -> Iterator[Range]:
+        """Stretches of the text from the one that is asked for to the first line."""
+        blocks = self._descend(path)
+        if len(blocks) > len(path.steps):
+            if path.property_name is not None:
+                yield from self._in_property(blocks[-1], path, field, target)
+            elif field:
+                yield from self._in_prim(blocks[-1], path, field, target)
+        for block in reversed(blocks):
+            yield block.name
+
+    def _descend(self, path: _Path) -> list[Block]:
+        """The layer and the blocks along a path, as far as they exist."""
+        blocks = [self._scan.root]
+        for step in path.steps:
+            names = tuple(map(_encoded, step))
+            if len(names) == 2:
+                block = self._scan.contents(blocks[-1]).variants.get((names[0], names[1]))
+            else:
+                block = self._scan.prim(blocks[-1], names[0])
+            if block is None:
+                break
+            blocks.append(block)
+        return blocks
+
+    def _in_prim(
+        self, block: Block, path: _Path, field: str, target: str | None
+    ) -> Iterator[Range]:
+        if field in ORDERS:
+            orders = self._scan.contents(block).orders
+            for statement in (orders[name] for name in ORDERS[field] if name in orders):
+                yield from _value_or_name(statement)
+        elif field in ("specifier", "typeName"):
+            word = block.specifier if field == "specifier" else block.type
+            if word:
+                yield word
+        elif block.metadata:
+            yield from self._in_metadata(block.metadata, path, field, target)
+
+    def _in_property(
+        self, block: Block, path: _Path, field: str | None, target: str | None
+    ) -> Iterator[Range]:
+        statements = self._statements(block, path)
+        if target and field in (None, "targetPaths", "connectionPaths"):
+            entry = self._targets_of(block, path).get(target)
+            if entry:
+                yield entry
+        if field:
+            for statement in statements:
+                yield from self._in_statement(statement, path, field, target)
+        for statement in statements:
+            yield statement.name
+
+    def _in_statement(
+        self, statement: Statement, path: _Path, field: str, target: str | None
+    ) -> Iterator[Range]:
+        if field in SUFFIXES:
+            if statement.value and statement.suffix == SUFFIXES[field]:
+                yield from _value_or_name(statement)
+        elif field in ("custom", "typeName", "variability"):
+            words = {"custom": statement.custom, "typeName": statement.type}
+            word = words.get(field, statement.variability)
+            if word and self._data[slice(*word)] != b"rel":
+                yield word
+        elif statement.metadata:
+            yield from self._in_metadata(statement.metadata, path, field, target)
+
+    def _in_metadata(
+        self, inside: Range, path: _Path, field: str, target: str | None
+    ) -> Iterator[Range]:
+        key, _, rest = field.partition(":")
+        keyword = KEYWORDS.get(key, key)
+        entries = [e for e in self._scan.metadata(inside) if self._keyword(e) == keyword]
+        entries.sort(key=_removes)
+        if target:
+            arcs = (arc for entry in entries for arc in self._elements(entry))
+            yield from (arc for arc in arcs if self._leads_to(arc, path) == target)
+        for entry in entries:
+            if rest and entry.value:
+                for found in self._in_dictionary(entry.value, rest):
+                    strings = self._strings(found) if target else ()
+                    yield from (s for s in strings if self._string(s) == target)
+                    yield found
+            yield from _value_or_name(entry)
+
+    def _keyword(self, entry: Statement) -> str:
+        """A comment is a bare string."""
+        return "comment" if entry.name == entry.value else self._text(entry.name)
+
+    def _in_dictionary(self, value: Range, key: str) -> Iterator[Range]:
+        """The entry of a key; `a:b` is the key `a:b`, or `b` in the dictionary `a`."""
+        for entry in self._scan.dictionary(value):
+            name = self._text(entry.name)
+            if name[0] in "\"'":
+                name = self._string(entry.name)
+            if name == key:
+                yield from _value_or_name(entry)
+            elif key.startswith(name + ":") and entry.value:
+                yield from self._in_dictionary(entry.value, key[len(name) + 1 :])
+
+    # Values
+
+    def _statements(self, block: Block, path: _Path) -> list[Statement]:
+        """The statements of a property; those that take something away last."""
+        name = _encoded(path.property_name or "")
+        return sorted(self._scan.contents(block).properties.get(name, ()), key=_removes)
+
+    def _targets_of(self, block: Block, path: _Path) -> dict[str, Range]:
+        """The entries of a property's lists by the absolute path that they mean."""
+        key = block.start, path.property_name or ""
+        if key not in self._targets:
+            self._targets[key] = {}
+            for statement in self._statements(block, path):
+                for entry in self._elements(statement):
+                    if self._data[entry[0]] == 0x3C:
+                        self._targets[key].setdefault(self._leads_to(entry, path), entry)
+        return self._targets[key]
+
+    def _elements(self, statement: Statement) -> Iterator[Range]:
+        """The elements of a list, or the one value that stands for a list."""
+        if statement.value:
+            start, end = statement.value
+            listed = self._data[start] == 0x5B
+            yield from self._scan.items((start + 1, end - 1) if listed else (start, end))
+
+    def _leads_to(self, arc: Range, path: _Path) -> str:
+        """The asset of an arc as authored; without one the prim or property."""
+        asset = self._scan.asset(arc)
+        if asset is not None:
+            return _decoded(asset.replace(rb"\@@@", b"@@@"))
+        return _absolute(self._text((arc[0] + 1, arc[1] - 1)), path.owner)
+
+    # Text
+
+    def _string(self, string: Range) -> str:
+        return _decoded(_unescaped(self._scan.unquoted(string)))
+
+    def _text(self, stretch: Range) -> str:
+        return _decoded(self._data[slice(*stretch)])
+
+    def _span(self, stretch: Range) -> Span | None:
+        """None for what goes over several lines, and for an empty text."""
+        start, end = stretch
+        if not self._data or LINE_BREAK.search(self._data, start, end):
+            return None
+        number, line_start = self._lines.at(start)
+        column = 1 + len(self._text((line_start, start)))
+        return Span(number, column, column + len(self._text(stretch)))
+
+
+def _removes(statement: Statement) -> bool:
+    return statement.operation in (b"delete", b"reorder")
+
+
+def _value_or_name(statement: Statement) -> Iterator[Range]:
+    if statement.value:
+        yield statement.value
+    yield statement.name
+
+
+def _absolute(written: str, owner: str) -> str:
+    """What a path in a list of `owner` means."""
+    if not written or written.startswith("/"):
+        return written
+    names = owner.strip("/").split("/")
+    while written.startswith(".."):
+        names = names[:-1]
+        written = written[2:].removeprefix("/")
+    base = "/" + "/".join(names)
+    if written in ("", "."):
+        return base
+    separator = "" if written.startswith(".") or base == "/" else "/"
+    return base + separator + written
+
+
+def _unescaped(string: bytes) -> bytes:
+    """As `TfEscapeString` reads it."""
+
+    def one(match: re.Match[bytes]) -> bytes:
+        hexadecimal, octal, other = match.groups()
+        if hexadecimal is not None:
+            return bytes((int(hexadecimal or b"0", 16),))
+        if octal is not None:
+            return bytes((int(octal, 8) & 0xFF,))
+        return bytes((CONTROL.get(other[0], other[0]),))
+
+    return ESCAPE.sub(one, string)
+
+
+def _decoded(text: bytes) -> str:
+    return text.decode("utf-8", "replace")
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", "surrogatepass")
