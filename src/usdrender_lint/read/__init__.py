@@ -1,0 +1,388 @@
+"""How does a composed stage become the model? The only package that knows UsdRender."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from pxr import Sdf, Usd
+
+from ..model import (
+    RENDER_TYPES,
+    Attr,
+    FrameRange,
+    OtherPrim,
+    Output,
+    Pass,
+    Product,
+    RenderPrim,
+    RenderScope,
+    ScopePrim,
+    Settings,
+    Site,
+    State,
+    Stray,
+    TypeOpinion,
+    Var,
+    VariantChoice,
+)
+from ..stage import Opened, all_below, is_render_prim, render_prims, widen_to_targets
+from .arcs import Failures
+from .cameras import read_cameras
+from .collections import read_collections
+from .colors import read_color_space
+from .evidence import read_evidence
+from .external import file_found, source_in_file
+from .members import applied_collections, widen_to_members
+from .metadata import authored_default, default_path, read_default
+from .strays import stray_paths
+from .targets import EXPECTED, Targets, state_of, type_is_known
+from .text import Texts
+from .values import (
+    plain_asset,
+    plain_floats,
+    plain_ints,
+    plain_text,
+    plain_tokens,
+    read_attr,
+    read_extras,
+    read_properties,
+)
+
+T = TypeVar("T")
+
+
+def read(opened: Opened, texts: Texts) -> RenderScope:
+    """The render spec of a stage that `open_stage` opened; widens its mask as needed."""
+    stage = opened.stage
+    strays = stray_paths(stage, opened.scopes)
+    default = default_path(authored_default(stage))
+    widen_to_targets(opened, [*strays, *([default] if default else [])])
+    widen_to_members(opened)
+    failures = Failures(opened)
+    targets = Targets(opened, failures, texts)
+    if default:
+        targets.suggest(Sdf.Path(default), "RenderSettings")
+    return _Reader(opened, failures, targets, texts).scope(strays)
+
+
+class _Reader:
+    def __init__(self, opened: Opened, failures: Failures, targets: Targets, texts: Texts) -> None:
+        self._opened = opened
+        self._stage: Usd.Stage = opened.stage
+        self._failures = failures
+        self._targets = targets
+        self._texts = texts
+        self._products: dict[str, Product] = {}
+        self._vars: dict[str, Var] = {}
+
+    def scope(self, strays: list[str]) -> RenderScope:
+        prims = {str(p.GetPath()): p for p in render_prims(self._opened)}
+        self._vars = {k: self._var(p) for k, p in prims.items() if p.IsA("RenderVar")}
+        self._products = {k: self._product(p) for k, p in prims.items() if p.IsA("RenderProduct")}
+        settings = tuple(self._settings(p) for p in prims.values() if p.IsA("RenderSettings"))
+        needed = _needed(settings)
+        passes = tuple(self._pass(p, needed) for p in prims.values() if p.IsA("RenderPass"))
+        everything: list[RenderPrim] = [
+            *settings,
+            *self._products.values(),
+            *self._vars.values(),
+            *passes,
+        ]
+        outside = sorted({*strays, *(k for k in prims if not self._is_inside(k))})
+        root, frames = self._stage.GetRootLayer(), _frames(self._stage)
+        return RenderScope(
+            root.identifier,
+            Site("/"),
+            tuple(self._scope_prims()),
+            settings,
+            tuple(self._products.values()),
+            tuple(self._vars.values()),
+            passes,
+            tuple(self._others()),
+            tuple(s for path in outside if (s := self._stray(path))),
+            read_default(self._opened, self._targets),
+            self._failures.errors(_essential(everything, self._opened.scopes)),
+            read_evidence(self._opened, prims.values()),
+            frames,
+            read_cameras(self._stage, frames, settings, self._products.values()),
+            tuple(self._missing_variants()),
+            tuple(self._topmost(lambda p: bool(p.IsInstance()))),
+            tuple(self._topmost(lambda p: bool(p.HasAuthoredPayloads()))),
+            _only_overrides(self._stage),
+        )
+
+    def _is_inside(self, path: str) -> bool:
+        return any(path.startswith(scope + "/") for scope in self._opened.scopes)
+
+    def _common(self, prim: Usd.Prim, names: tuple[str, ...]) -> dict[str, Any]:
+        path = str(prim.GetPath())
+        return {
+            "path": path,
+            "type_name": str(prim.GetTypeName()),
+            "state": state_of(prim),
+            "site": Site(path),
+            "properties": read_properties(prim),
+            "built_in": tuple(
+                sorted(n for n in prim.GetPrimDefinition().GetPropertyNames() if ":" not in n)
+            ),
+            "extras": read_extras(prim),
+            "rels": tuple(self._targets.rel(prim, name) for name in names),
+            "other_types": tuple(_other_types(prim)),
+            "collections_applied": applied_collections(prim),
+            "maybe_more": self._failures.hiding(path) is not None,
+            "prototype": str(prim.GetPrimInPrototype().GetPath()) if prim.IsInstanceProxy() else "",
+        }
+
+    def _base(self, prim: Usd.Prim) -> dict[str, Any]:
+        return {
+            "resolution": read_attr(prim, "resolution", plain_ints, (0, 0)),
+            "pixel_aspect_ratio": read_attr(prim, "pixelAspectRatio", float, 0.0),
+            "aspect_ratio_conform_policy": read_attr(
+                prim, "aspectRatioConformPolicy", plain_text, ""
+            ),
+            "data_window_ndc": read_attr(prim, "dataWindowNDC", plain_floats, (0.0,) * 4),
+            "instantaneous_shutter": read_attr(prim, "instantaneousShutter", bool, False),
+            "disable_motion_blur": read_attr(prim, "disableMotionBlur", bool, False),
+            "disable_depth_of_field": read_attr(prim, "disableDepthOfField", bool, False),
+        }
+
+    def _var(self, prim: Usd.Prim) -> Var:
+        data_type = read_attr(prim, "dataType", plain_text, "")
+        return Var(
+            **self._common(prim, ()),
+            data_type=data_type,
+            data_type_known=bool(Sdf.ValueTypeNames.Find(data_type.value)),
+            source_name=read_attr(prim, "sourceName", plain_text, ""),
+            source_type=read_attr(prim, "sourceType", plain_text, ""),
+        )
+
+    def _product(self, prim: Usd.Prim) -> Product:
+        common = self._common(prim, ("camera", "orderedVars"))
+        camera, ordered_vars = common["rels"]
+        return Product(
+            **common,
+            **self._base(prim),
+            camera=camera,
+            product_type=read_attr(prim, "productType", plain_text, ""),
+            product_name=read_attr(prim, "productName", plain_text, "", with_samples=True),
+            ordered_vars=ordered_vars,
+        )
+
+    def _settings(self, prim: Usd.Prim) -> Settings:
+        common = self._common(prim, ("camera", "products"))
+        camera, products = common["rels"]
+        base = self._base(prim)
+        rendering_color_space = read_attr(prim, "renderingColorSpace", plain_text, "")
+        color_space, color_space_names = read_color_space(prim, rendering_color_space)
+        settings = Settings(
+            **common,
+            **base,
+            camera=camera,
+            products=products,
+            included_purposes=read_attr(prim, "includedPurposes", plain_tokens, ()),
+            material_binding_purposes=read_attr(prim, "materialBindingPurposes", plain_tokens, ()),
+            rendering_color_space=rendering_color_space,
+            color_space=color_space,
+            color_space_names=color_space_names,
+            outputs=(),
+        )
+        return replace(settings, outputs=tuple(self._outputs(settings)))
+
+    def _outputs(self, settings: Settings) -> Iterator[Output]:
+        for target in settings.products.targets:
+            if product := self._products.get(target.path):
+                ordered = (self._vars.get(t.path) for t in product.ordered_vars.targets)
+                yield Output(
+                    settings.path,
+                    product,
+                    product.camera if product.camera.targets else settings.camera,
+                    _effective(product.resolution, settings.resolution),
+                    _effective(product.pixel_aspect_ratio, settings.pixel_aspect_ratio),
+                    _effective(
+                        product.aspect_ratio_conform_policy, settings.aspect_ratio_conform_policy
+                    ),
+                    _effective(product.data_window_ndc, settings.data_window_ndc),
+                    _effective(product.disable_motion_blur, settings.disable_motion_blur),
+                    _effective(product.disable_depth_of_field, settings.disable_depth_of_field),
+                    _effective(product.instantaneous_shutter, settings.instantaneous_shutter),
+                    tuple(v for v in ordered if v is not None),
+                )
+
+    def _pass(self, prim: Usd.Prim, needed: frozenset[str]) -> Pass:
+        common = self._common(prim, ("renderSource", "inputPasses"))
+        render_source, input_passes = common["rels"]
+        return Pass(
+            **common,
+            pass_type=read_attr(prim, "passType", plain_text, ""),
+            command=read_attr(prim, "command", plain_tokens, ()),
+            file_name=read_attr(prim, "fileName", plain_asset, ""),
+            render_source=render_source,
+            input_passes=input_passes,
+            collections=read_collections(prim, self._targets, self._texts, needed),
+            file_found=file_found(prim),
+            source_in_file=source_in_file(prim, render_source),
+        )
+
+    def _scope_prims(self) -> Iterator[ScopePrim]:
+        """The scopes, and the groups below them that are no render prims themselves."""
+        for scope in self._opened.scopes:
+            top = self._stage.GetPrimAtPath(scope)
+            for prim in all_below(top) if top else ():
+                if is_render_prim(prim):
+                    continue
+                path = str(prim.GetPath())
+                yield ScopePrim(
+                    path,
+                    str(prim.GetTypeName()),
+                    state_of(prim),
+                    Site(path),
+                    _state_site(prim),
+                    _defines_render_prims(prim),
+                    self._failures.hiding(path),
+                )
+
+    def _others(self) -> Iterator[OtherPrim]:
+        for scope in self._opened.scopes:
+            top = self._stage.GetPrimAtPath(scope)
+            for prim in all_below(top) if top else ():
+                if is_render_prim(prim) or str(prim.GetPath()) == scope:
+                    continue
+                path = str(prim.GetPath())
+                yield OtherPrim(
+                    path,
+                    str(prim.GetTypeName()),
+                    state_of(prim),
+                    type_is_known(prim),
+                    Site(path),
+                    read_properties(prim),
+                    self._failures.hiding(path) is not None,
+                    _content(prim),
+                )
+
+    def _in_scopes(self) -> Iterator[Usd.Prim]:
+        for scope in self._opened.scopes:
+            if top := self._stage.GetPrimAtPath(scope):
+                yield from all_below(top)
+
+    def _topmost(self, wanted: Callable[[Usd.Prim], bool]) -> Iterator[Site]:
+        found: list[Sdf.Path] = []
+        for prim in self._in_scopes():
+            path = prim.GetPath()
+            if wanted(prim) and not any(path.HasPrefix(above) for above in found):
+                found.append(path)
+                yield Site(str(path))
+
+    def _missing_variants(self) -> Iterator[VariantChoice]:
+        for prim in self._in_scopes():
+            path = str(prim.GetPath())
+            if prim.IsInstanceProxy() or self._failures.hiding(path):
+                continue
+            selections: dict[str, str] = {}
+            for spec in prim.GetPrimStack():
+                for name, selection in spec.variantSelections.items():
+                    selections.setdefault(str(name), str(selection))
+            sets = prim.GetVariantSets()
+            for name, selection in sorted(selections.items()):
+                choices = tuple(sets.GetVariantSet(name).GetVariantNames())
+                if selection and selection not in choices:
+                    site = Site(path, f"variantSelection:{name}")
+                    yield VariantChoice(path, name, selection, choices, site)
+
+    def _stray(self, path: str) -> Stray | None:
+        prim = self._stage.GetPrimAtPath(path)
+        if not prim or not is_render_prim(prim):
+            return None  # in a variant that is not selected, or below an inactive prim
+        top = Sdf.Path(path).GetPrefixes()[0]
+        return Stray(
+            path,
+            str(prim.GetTypeName()),
+            state_of(prim),
+            Site(path, "typeName"),
+            Site(str(top)),
+        )
+
+
+def _needed(settings: tuple[Settings, ...]) -> frozenset[str]:
+    """What a render cannot do without, should a pass remove it."""
+    cameras = (o.camera for s in settings for o in s.outputs)
+    rels = [*cameras, *(s.camera for s in settings)]
+    found = {t.path for rel in rels for t in rel.targets if t.live}
+    return frozenset(found.union(s.path for s in settings))
+
+
+def _effective(product: Attr[T], settings: Attr[T]) -> Attr[T]:
+    """A product's own opinion, even one equal to the fallback; a block inherits."""
+    return product if product.authored else settings
+
+
+def _state_site(prim: Usd.Prim) -> Site:
+    path, state = str(prim.GetPath()), state_of(prim)
+    if state is State.INACTIVE:
+        return Site(path, "active")
+    for spec in prim.GetPrimStack() if state is State.ABSTRACT else ():
+        if spec.specifier == Sdf.SpecifierClass:
+            return Site(path, "specifier", None, spec.layer.identifier, str(spec.path))
+    return Site(path, "specifier")
+
+
+def _defines_render_prims(prim: Usd.Prim) -> bool:
+    """Some layer *defines* a render prim below: an `over` alone may be meant for a weaker layer.
+
+    Asked of specs, because below an inactive prim nothing is composed.
+    """
+    pending = list(prim.GetPrimStack())
+    while pending:
+        spec = pending.pop()
+        if spec.specifier == Sdf.SpecifierDef and spec.typeName in RENDER_TYPES:
+            return True
+        pending.extend(spec.nameChildren)
+    return False
+
+
+def _essential(prims: list[RenderPrim], scopes: tuple[str, ...]) -> Iterator[str]:
+    """Prims whose loss a render feels: the spec's own, and targets that are not plainly there."""
+    yield from scopes
+    for prim in prims:
+        yield prim.path
+        for rel in prim.rels:
+            if rel.name in EXPECTED:
+                yield from (t.path for t in rel.targets if t.state is not State.LIVE)
+
+
+def _other_types(prim: Usd.Prim) -> Iterator[TypeOpinion]:
+    for spec in prim.GetPrimStack():
+        name = str(spec.typeName)
+        if name in RENDER_TYPES and name != str(prim.GetTypeName()):
+            site = Site(
+                str(prim.GetPath()), "typeName", layer=spec.layer.identifier, spec=str(spec.path)
+            )
+            yield TypeOpinion(name, site)
+
+
+def _content(prim: Usd.Prim) -> str:
+    if prim.IsA("Gprim"):
+        return "geometry"
+    is_light = prim.IsA("BoundableLightBase") or prim.IsA("NonboundableLightBase")
+    return "light" if is_light else ""
+
+
+def _frames(stage: Usd.Stage) -> FrameRange:
+    def authored(key: str) -> float | None:
+        return float(stage.GetMetadata(key)) if stage.HasAuthoredMetadata(key) else None
+
+    return FrameRange(
+        authored("startTimeCode"),
+        authored("endTimeCode"),
+        float(stage.GetFramesPerSecond()),
+        Site("/", "startTimeCode"),
+    )
+
+
+def _only_overrides(stage: Usd.Stage) -> bool:
+    return not any(
+        spec.specifier == Sdf.SpecifierDef
+        for layer in stage.GetLayerStack(includeSessionLayers=False)
+        for spec in layer.rootPrims
+    )

@@ -1,0 +1,118 @@
+"""Which cameras are rendered through, and what do they say at the frames that are rendered?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
+from typing import Any, TypeVar
+
+from pxr import Sdf, Usd
+
+from ..model import Attr, Camera, FrameRange, Product, Settings, Site, ValueState, View
+from .values import plain_floats, plain_text, read_attr, same_storage
+
+T = TypeVar("T")
+
+_ATTRIBUTES: dict[str, tuple[str, Callable[[Any], Any]]] = {
+    "projection": ("projection", plain_text),
+    "horizontal_aperture": ("horizontalAperture", float),
+    "vertical_aperture": ("verticalAperture", float),
+    "focal_length": ("focalLength", float),
+    "clipping_range": ("clippingRange", plain_floats),
+    "f_stop": ("fStop", float),
+    "focus_distance": ("focusDistance", float),
+    "shutter_open": ("shutter:open", float),
+    "shutter_close": ("shutter:close", float),
+}
+
+
+def read_cameras(
+    stage: Usd.Stage,
+    frames: FrameRange,
+    settings: Iterable[Settings],
+    products: Iterable[Product],
+) -> tuple[Camera, ...]:
+    views: dict[str, list[View]] = {}
+    for view in _views(settings, products):
+        # Every reader of the render spec takes the first target.
+        for target in view.camera.targets[:1]:
+            if target.live and "Camera" in target.isa and not target.is_property:
+                views.setdefault(target.path, []).append(view)
+    return tuple(
+        _camera(stage.GetPrimAtPath(path), frames, tuple(seen))
+        for path, seen in sorted(views.items())
+    )
+
+
+def _views(settings: Iterable[Settings], products: Iterable[Product]) -> Iterator[View]:
+    listed: set[str] = set()
+    for one in settings:
+        if not one.live:
+            continue
+        outputs = [o for o in one.outputs if o.product.live]
+        listed.update(o.product.path for o in outputs)
+        yield from outputs
+        if not outputs:
+            yield one
+    yield from (p for p in products if p.live and p.path not in listed)
+
+
+def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Camera:
+    path = str(prim.GetPath())
+    attrs = {field: _attr(prim, name, plain) for field, (name, plain) in _ATTRIBUTES.items()}
+    varying = [attr for attr in attrs.values() if _varies(prim, attr)]
+    times = _times(prim, varying, frames)
+    for field, (_, plain) in _ATTRIBUTES.items():
+        if attrs[field] in varying:
+            attrs[field] = _sampled(prim, attrs[field], plain, times)
+    return Camera(
+        path=path,
+        type_name=str(prim.GetTypeName()),
+        site=Site(path),
+        **attrs,
+        instance=_instance(prim),
+        views=views,
+    )
+
+
+def _attr(prim: Usd.Prim, name: str, plain: Callable[[Any], T]) -> Attr[T]:
+    """A blocked value is the fallback: cameras are read at the frame, where a block leaves it be."""
+    fallback = prim.GetPrimDefinition().GetSchemaAttributeSpec(name).default
+    return read_attr(prim, name, plain, plain(fallback))
+
+
+def _varies(prim: Usd.Prim, attr: Attr[Any]) -> bool:
+    """Samples of a wrong type are not read."""
+    if attr.varying is None or attr.state is ValueState.MISTYPED:
+        return False
+    schema = prim.GetPrimDefinition().GetSchemaAttributeSpec(attr.name)
+    return same_storage(Sdf.ValueTypeNames.Find(attr.authored_type), schema.typeName)
+
+
+def _times(prim: Usd.Prim, varying: list[Attr[Any]], frames: FrameRange) -> list[float]:
+    """When the attributes have samples or knots inside the frame range, and at its ends."""
+    times: set[float] = set()
+    for attr in varying:
+        attribute = prim.GetAttribute(attr.name)
+        if attr.varying == "spline":
+            times.update(float(t) for t in attribute.GetSpline().GetKnots().keys())  # noqa: SIM118
+        else:
+            times.update(float(t) for t in attribute.GetTimeSamples())
+    ends = {t for t in (frames.start, frames.end) if times and t is not None}
+    return sorted(ends | {t for t in times if frames.holds(t)})
+
+
+def _sampled(
+    prim: Usd.Prim, attr: Attr[T], plain: Callable[[Any], T], times: list[float]
+) -> Attr[T]:
+    attribute = prim.GetAttribute(attr.name)
+    values = ((time, attribute.Get(time)) for time in times)
+    return replace(attr, samples=tuple((t, plain(v)) for t, v in values if v is not None))
+
+
+def _instance(prim: Usd.Prim) -> str | None:
+    if not prim.IsInstanceProxy():
+        return None
+    while prim.IsInstanceProxy():
+        prim = prim.GetParent()
+    return str(prim.GetPath())

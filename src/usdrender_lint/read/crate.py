@@ -1,0 +1,99 @@
+"""Does a crate file mention a word at all? Answered from its table of tokens, mostly in 0.1 ms."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterable
+from pathlib import Path
+from typing import BinaryIO
+
+_SECTION = struct.Struct("<16sqq")
+_MAX_TOKENS = 1 << 28
+
+
+def mentions(file: str, words: Iterable[bytes], *, whole: bool = True) -> bool | None:
+    """Whether one of `words` is a token of the crate, or without `whole` begins one; None if the
+    file tells nothing.
+
+    Layout of `pxr/usd/sdf/crateFile.cpp` since version 0.4.0: the bootstrap's table of contents
+    names the TOKENS section, which is zero-terminated strings under LZ4.
+    """
+    try:
+        with Path(file).open("rb") as stream:
+            tokens = _tokens(stream.read(88), stream)
+    except (OSError, struct.error, IndexError, ValueError):
+        return None
+    if tokens is None:
+        return None
+    framed = b"\0" + tokens
+    end = b"\0" if whole else b""
+    return any(b"\0" + word + end in framed for word in words)
+
+
+def _tokens(bootstrap: bytes, stream: BinaryIO) -> bytes | None:
+    if not bootstrap.startswith(b"PXR-USDC") or tuple(bootstrap[8:11]) < (0, 4, 0):
+        return None
+    read, seek = stream.read, stream.seek
+    seek(struct.unpack_from("<q", bootstrap, 16)[0])
+    (count,) = struct.unpack("<Q", read(8))
+    for _ in range(min(count, 64)):
+        name, start, _size = _SECTION.unpack(read(_SECTION.size))
+        if name.rstrip(b"\0") == b"TOKENS":
+            seek(start)
+            _number, plain_size, packed_size = struct.unpack("<QQQ", read(24))
+            if plain_size > _MAX_TOKENS or packed_size > _MAX_TOKENS:
+                return None
+            return unpack(read(packed_size), plain_size)
+    return None
+
+
+def unpack(packed: bytes, size: int) -> bytes:
+    """Undo `TfFastCompression`: a count of chunks (0: one chunk, no sizes), then LZ4 blocks."""
+    chunks = packed[0]
+    if not chunks:
+        return _lz4(packed[1:], size)
+    out, at = b"", 1
+    for _ in range(chunks):
+        (length,) = struct.unpack_from("<i", packed, at)
+        out += _lz4(packed[at + 4 : at + 4 + length], size)
+        at += 4 + length
+    return out
+
+
+def _lz4(block: bytes, size: int) -> bytes:
+    out = bytearray()
+    at, end = 0, len(block)
+    while at < end and len(out) <= size:
+        token = block[at]
+        at += 1
+        literals = token >> 4
+        if literals == 15:
+            at, literals = _more(block, at, literals)
+        out += block[at : at + literals]
+        at += literals
+        if at >= end:
+            break
+        distance = block[at] | block[at + 1] << 8
+        at += 2
+        length = token & 15
+        if length == 15:
+            at, length = _more(block, at, length)
+        length += 4
+        start = len(out) - distance
+        if distance <= 0 or start < 0:
+            raise ValueError("a match before the beginning")
+        if distance >= length:
+            out += out[start : start + length]
+        else:
+            pattern = bytes(out[start:])
+            out += (pattern * (length // distance + 1))[:length]
+    return bytes(out)
+
+
+def _more(block: bytes, at: int, length: int) -> tuple[int, int]:
+    while True:
+        byte = block[at]
+        at += 1
+        length += byte
+        if byte != 255:
+            return at, length

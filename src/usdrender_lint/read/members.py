@@ -1,0 +1,167 @@
+"""What do the collections of passes name? They decide over the scene, and it is not opened for them.
+
+A member is populated without what lies below it: that tells whether it exists, whether it is an
+instance, and what its children are called. Other collections that one takes in are populated with
+their prim, so that USD can evaluate them.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import fields
+
+from pxr import Sdf, Tf, Usd
+
+from ..model import Candidate, Member, Site, State, Target
+from ..stage import Opened, render_prims, widen
+from .groups import is_group, matching
+from .patterns import Node, tree
+
+_MAX_ROUNDS = 8
+"""Of widening: through collections that take in others, and through wildcards, level by level."""
+_PREFIX = "collection:"
+PROPERTIES = (
+    "excludes",
+    "expansionRule",
+    "includeRoot",
+    "includes",
+    "membershipExpression",
+    "mode",
+)
+
+
+def collection_names(prim: Usd.Prim) -> frozenset[str]:
+    """Of collections that some layer says anything about."""
+    found = (collection_name(name) for name in prim.GetAuthoredPropertyNames())
+    return frozenset(name for name in found if name)
+
+
+def collection_name(property_name: str) -> str:
+    """`collection:lights:key:includes` belongs to `lights:key`."""
+    if not property_name.startswith(_PREFIX):
+        return ""
+    return property_name.removeprefix(_PREFIX).rpartition(":")[0]
+
+
+def applied_collections(prim: Usd.Prim) -> tuple[str, ...]:
+    """Built in, or by `apiSchemas`."""
+    schemas = map(str, prim.GetAppliedSchemas())
+    return tuple(s.partition(":")[2] for s in schemas if s.startswith("CollectionAPI:"))
+
+
+def collection_of(path: Sdf.Path) -> str | None:
+    """The name of the collection that a path means, if it means one."""
+    return path.name.removeprefix(_PREFIX) if Usd.CollectionAPI.IsCollectionAPIPath(path) else None
+
+
+def raw_targets(prim: Usd.Prim, name: str) -> list[Sdf.Path]:
+    """Of includes or excludes, which USD does not forward."""
+    relationship = prim.GetRelationship(name)
+    if not relationship:
+        return []
+    try:
+        return list(relationship.GetTargets())
+    except Tf.ErrorException:  # some layer authors it as an attribute
+        return []
+
+
+def composed_tree(prim: Usd.Prim, name: str) -> Node | None:
+    """The membership expression of a collection, relative patterns made absolute."""
+    attribute = prim.GetAttribute(f"{_PREFIX}{name}:membershipExpression")
+    value = attribute.Get() if attribute else None
+    return tree(value) if isinstance(value, Sdf.PathExpression) else None
+
+
+def taken_in(prim: Usd.Prim, name: str) -> Iterator[tuple[str, str, str]]:
+    """Prim and name of each collection that one takes in, and the include that says so; that is
+    empty for a reference in the expression."""
+    for target in raw_targets(prim, f"{_PREFIX}{name}:includes"):
+        if other := collection_of(target):
+            yield str(target.GetPrimPath()), other, str(target)
+    found = composed_tree(prim, name)
+    for path, other in found.references() if found else ():
+        if other != "_":  # the weaker expression, where there is none
+            yield path or str(prim.GetPath()), other, ""
+
+
+def widen_to_members(opened: Opened) -> None:
+    """Populate what the collections of passes name, until nothing new turns up."""
+    for _ in range(_MAX_ROUNDS):
+        wanted: set[str] = set()
+        seen: set[tuple[str, str]] = set()
+        for prim in (p for p in render_prims(opened) if p.IsA("RenderPass")):
+            for name in collection_names(prim):
+                wanted.update(_named(prim, name))
+                wanted.update(_others(prim, name, seen))
+        if not widen(opened, sorted(wanted)):
+            return
+
+
+def _named(prim: Usd.Prim, name: str) -> Iterator[str]:
+    for side in ("includes", "excludes"):
+        yield from map(str, raw_targets(prim, f"{_PREFIX}{name}:{side}"))
+    found = composed_tree(prim, name)
+    for pattern, adds in found.patterns() if found else ():
+        yield pattern.prefix
+        if adds and pattern.bare:
+            # What stands on the last level is read off the level above.
+            yield from matching(prim.GetStage(), pattern.parts[:-1])[1]
+
+
+def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]]) -> Iterator[str]:
+    """Prims of the collections that this one takes in, and those take in, as far as populated."""
+    for path, other, _ in taken_in(prim, name):
+        yield path
+        there = prim.GetStage().GetPrimAtPath(path)
+        if there and (path, other) not in seen:
+            seen.add((path, other))
+            yield from _others(there, other, seen)
+
+
+def member(stage: Usd.Stage, target: Target) -> Member:
+    """What more there is to know about a prim that a collection names."""
+    known = {f.name: getattr(target, f.name) for f in fields(Target)}
+    path = Sdf.Path(target.path).GetPrimPath()
+    prim = stage.GetPrimAtPath(path)
+    if prim:
+        return Member(
+            **known,
+            instance=_instance(prim),
+            invisible=_invisible(prim),
+            is_group=is_group(prim),
+        )
+    if target.state is not State.MISSING:
+        return Member(**known)
+    above = path.GetParentPath()
+    while not (prim := stage.GetPrimAtPath(above)):
+        above = above.GetParentPath()
+    known["candidates"] = tuple(_candidates(prim, path))
+    return Member(**known, nearest=str(above))
+
+
+def _candidates(above: Usd.Prim, path: Sdf.Path) -> Iterator[Candidate]:
+    """Children of the prim above that may have been meant, best first."""
+    wanted = path.MakeRelativePath(above.GetPath()).GetPrefixes()[0].name
+
+    def unlikeness(name: str) -> tuple[float, str]:
+        return -difflib.SequenceMatcher(None, name.lower(), wanted.lower()).ratio(), name
+
+    for name in sorted(above.GetPrimIndex().ComputePrimChildNames()[0], key=unlikeness)[:5]:
+        found = str(above.GetPath().AppendChild(name))
+        yield Candidate(found, "", Site(found))
+
+
+def _instance(prim: Usd.Prim) -> str | None:
+    while prim.IsInstanceProxy():
+        prim = prim.GetParent()
+    return str(prim.GetPath()) if prim.IsInstance() else None
+
+
+def _invisible(prim: Usd.Prim) -> str | None:
+    while not prim.IsPseudoRoot():
+        shown = prim.GetAttribute("visibility")
+        if shown and not shown.ValueMightBeTimeVarying() and shown.Get() == "invisible":
+            return str(prim.GetPath())
+        prim = prim.GetParent()
+    return None

@@ -1,0 +1,112 @@
+"""What does the root layer stack say about the default RenderSettings?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+from pxr import Sdf, Usd
+
+from ..model import DefaultSettings, MetadataOpinion, Site
+from ..stage import Opened
+from .targets import Targets, similarity
+
+KEY = "renderSettingsPrimPath"
+_SIMILAR = 0.8
+"""Found by trial: takes in renderSettingsPath, leaves out renderSettings."""
+
+
+def authored_default(stage: Usd.Stage) -> MetadataOpinion | None:
+    """The opinion that USD uses: the session layer's, else the root layer's. No other layer counts."""
+    for layer in (stage.GetSessionLayer(), stage.GetRootLayer()):
+        if layer is not None and layer.pseudoRoot.HasInfo(KEY):
+            return opinion_of(layer, counts=True)
+    return None
+
+
+def default_path(opinion: MetadataOpinion | None) -> str | None:
+    """The absolute prim path that an opinion names, if it names one."""
+    if opinion is None or not opinion.value or _problem(opinion.value):
+        return None
+    return opinion.value
+
+
+def read_default(opened: Opened, targets: Targets) -> DefaultSettings:
+    stage = opened.stage
+    opinion = authored_default(stage)
+    weaker = [
+        opinion_of(layer, counts=False)
+        for layer in stage.GetLayerStack(includeSessionLayers=False)[1:]
+        if layer.pseudoRoot.HasInfo(KEY)
+    ]
+    path = default_path(opinion)
+    target = None
+    if path is not None and opinion is not None:
+        target = targets.one(path, replace(opinion.site, target=path), "RenderSettings")
+    return DefaultSettings(
+        opinion,
+        tuple(weaker),
+        tuple(_misspelled(stage)),
+        _problem(opinion.value) if opinion else None,
+        target,
+    )
+
+
+def opinion_of(layer: Sdf.Layer, *, counts: bool) -> MetadataOpinion:
+    """What one layer says; `counts`: USD asks it."""
+    value = layer.pseudoRoot.GetInfo(KEY)
+    return MetadataOpinion(
+        KEY, _plain(value), Site("/", KEY, layer=layer.identifier), counts=counts
+    )
+
+
+def _plain(value: Any) -> str:
+    # Authored as `</Render/S>` the value comes back as a path (26.11).
+    return f"<{value}>" if isinstance(value, Sdf.Path) else str(value)
+
+
+def _problem(value: str) -> str | None:
+    """Why a value is no absolute prim path. An empty one is no value."""
+    if not value:
+        return None
+    if value.startswith("<"):
+        return "it stands in angle brackets"
+    if value != value.strip():
+        return "it begins or ends with white space"
+    if value == "/":
+        return "it is the root of the stage"
+    if value.endswith("/"):
+        return "it ends with a slash"
+    if not Sdf.Path.IsValidPathString(value):
+        return "it is not a valid path"
+    path = Sdf.Path(value)
+    if not path.IsAbsolutePath():
+        return "it is relative"
+    if path.ContainsPrimVariantSelection():
+        return "it holds a variant selection"
+    if not path.IsPrimPath():
+        return "it names a property"
+    return None
+
+
+def _misspelled(stage: Usd.Stage) -> Iterator[MetadataOpinion]:
+    root = stage.GetRootLayer()
+    data = root.customLayerData
+    for key in sorted(data):
+        if isinstance(data[key], str) and _looks_like(key, or_equal=True):
+            site = Site("/", f"customLayerData:{key}", layer=root.identifier)
+            yield MetadataOpinion(key, data[key], site, in_custom_data=True, counts=False)
+    # A layer does not list keys that no plugin registers; the pseudo-root of the stage does.
+    authored = stage.GetPseudoRoot().GetAllAuthoredMetadata()
+    for key in sorted(authored):
+        value = authored[key]
+        if isinstance(value, Sdf.UnregisteredValue) and _looks_like(key, or_equal=False):
+            text = str(value.value).strip('"')
+            yield MetadataOpinion(key, text, Site("/", key, layer=root.identifier), counts=False)
+
+
+def _looks_like(key: str, *, or_equal: bool) -> bool:
+    if key == KEY:
+        return or_equal
+    return similarity(key, KEY) >= _SIMILAR

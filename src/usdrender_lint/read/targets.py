@@ -1,0 +1,392 @@
+"""What do the relationships of render prims lead to?"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from pxr import Pcp, Sdf, Tf, Usd
+
+from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
+from ..sites import listed, node_of, out_of_namespace_of
+from ..stage import Opened, render_prims, widen
+from .arcs import Failures
+from .text import Texts
+
+EXPECTED = {
+    "camera": "Camera",
+    "products": "RenderProduct",
+    "orderedVars": "RenderVar",
+    "renderSource": "RenderSettings",
+    "inputPasses": "RenderPass",
+}
+
+_SIMILAR = 0.78
+_FIELD_OF_ARC = {
+    Pcp.ArcTypePayload: "payload",
+    Pcp.ArcTypeInherit: "inheritPaths",
+    Pcp.ArcTypeSpecialize: "specializes",
+}
+_MANY = 64
+"""Children of one prim that are looked at for a prim that may have been meant."""
+_SPECS = 4000
+"""Specs of the root layer stack that are looked through for cameras: about 30 ms."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """What stands at a path."""
+
+    state: State
+    type_name: str = ""
+    isa: frozenset[str] = frozenset()
+    type_known: bool = True
+    because: str | None = None
+
+
+def state_of(prim: Usd.Prim) -> State:
+    if not prim.IsActive():
+        return State.INACTIVE
+    if prim.IsAbstract():
+        return State.ABSTRACT
+    if not prim.IsDefined():
+        return State.OVER
+    return State.LIVE
+
+
+def kinds_of(prim: Usd.Prim) -> frozenset[str]:
+    return frozenset(t for t in (*RENDER_TYPES, "Camera") if prim.IsA(t))
+
+
+def type_is_known(prim: Usd.Prim) -> bool:
+    """An unregistered type looks like no type at all to `GetSchemaType()`, as does an untyped prim."""
+    if not prim.GetTypeName():
+        return True
+    return bool(prim.GetPrimTypeInfo().GetSchemaType() != Tf.Type.Unknown)
+
+
+class Targets:
+    """Answers for one stage; made when the mask holds every target.
+
+    Looking for prims that may have been meant widens the mask, which may replace prims: so that is
+    done once, here, before anybody reads.
+    """
+
+    def __init__(self, opened: Opened, failures: Failures, texts: Texts) -> None:
+        self._opened = opened
+        self._stage: Usd.Stage = opened.stage
+        self._failures = failures
+        self._texts = texts
+        self._meant: dict[str, str] = {}
+        self._candidates: dict[tuple[str, str], tuple[Candidate, ...]] = {}
+        self._survey()
+
+    def rel(self, prim: Usd.Prim, name: str) -> Rel:
+        """The relationship `name` of a render prim, forwarded, with what was lost on the way."""
+        expected = EXPECTED.get(name)
+        path = f"{prim.GetPath()}.{name}"
+        site = Site(path, "targetPaths")
+        relationship = prim.GetRelationship(name)
+        hidden = self._failures.hiding(path) is not None
+        if not relationship or not relationship.IsAuthored():
+            return Rel(name, site, maybe_more=hidden)
+        try:
+            raw = relationship.GetTargets()
+        except Tf.ErrorException:
+            return Rel(name, Site(path), authored=True, written_as_attribute=True)
+        seen: set[str] = set()
+        targets: dict[str, Target] = {}
+        for first in raw:
+            # The includes and excludes of a collection are not forwarded by USD.
+            for last, via in [(first, ())] if expected is None else self._forward(first, (), seen):
+                if str(last) not in targets:
+                    entry = Site(path, "targetPaths", str(first))
+                    targets[str(last)] = self._target(prim, last, via, entry, expected)
+        return Rel(
+            name,
+            site,
+            bool(relationship.HasAuthoredTargets()),
+            tuple(targets.values()),
+            tuple(self._lost(prim, relationship)),
+            tuple(_clobbered(prim, relationship, raw)),
+            maybe_more=hidden,
+        )
+
+    def hiding(self, path: str) -> str | None:
+        """The asset that did not open, behind which more of a prim may be."""
+        return self._failures.hiding(path)
+
+    def one(self, path: str, site: Site, expected: str) -> Target:
+        """The prim that a string names, such as the default settings."""
+        found = self._look(Sdf.Path(path))
+        candidates = self._candidates.get((path, expected), ())
+        return Target(
+            path,
+            found.state,
+            site,
+            found.type_name,
+            found.isa,
+            found.type_known,
+            because=found.because,
+            candidates=candidates,
+        )
+
+    def _target(
+        self,
+        owner: Usd.Prim,
+        path: Sdf.Path,
+        via: tuple[str, ...],
+        site: Site,
+        expected: str | None,
+    ) -> Target:
+        found = self._look(path)
+        written: str | None = None
+        relative = False
+        meant = self._meant.get(str(path)) if not via else None
+        below_owner = path.HasPrefix(owner.GetPath()) and path.GetPrimPath() != owner.GetPath()
+        if found.state is State.MISSING and below_owner and not via:
+            written = self._texts.written_target(self._stage, site)
+            relative = written is None and meant is not None
+        return Target(
+            str(path),
+            found.state,
+            site,
+            found.type_name,
+            found.isa,
+            found.type_known,
+            path.IsPropertyPath(),
+            via,
+            written if written is not None and not written.startswith("/") else None,
+            relative,
+            meant,
+            found.because,
+            self._candidates.get((str(path), expected or ""), ()),
+        )
+
+    def _forward(
+        self, path: Sdf.Path, via: tuple[str, ...], seen: set[str]
+    ) -> Iterator[tuple[Sdf.Path, tuple[str, ...]]]:
+        """As `GetForwardedTargets()`, but telling the way. A cycle leads nowhere, and what was
+        forwarded once brings nothing new."""
+        if path.IsPropertyPath():
+            relationship = self._stage.GetRelationshipAtPath(path)
+            if relationship:
+                if str(path) in seen:
+                    return
+                seen.add(str(path))
+                try:
+                    targets = relationship.GetTargets()
+                except Tf.ErrorException:
+                    targets = []
+                for target in targets:
+                    yield from self._forward(target, (*via, str(path)), seen)
+                return
+        yield path, via
+
+    def _look(self, path: Sdf.Path) -> _Found:
+        prim = self._stage.GetPrimAtPath(path.GetPrimPath())
+        if not prim:
+            return self._look_nowhere(path)
+        type_name = str(prim.GetTypeName())
+        found = _Found(state_of(prim), type_name, kinds_of(prim), type_is_known(prim))
+        unclear = found.state is State.OVER or (found.state is State.LIVE and not type_name)
+        if unclear and (asset := self._failures.hiding(str(path))):
+            return _Found(State.UNKNOWN, type_name, found.isa, found.type_known, asset)
+        if found.state is State.INACTIVE:
+            above = prim
+            while above.GetParent() and not above.GetParent().IsActive():
+                above = above.GetParent()
+            if above != prim:
+                return _Found(State.INACTIVE, type_name, found.isa, True, str(above.GetPath()))
+        if path.IsPropertyPath() and not self._stage.GetPropertyAtPath(path).IsDefined():
+            return _Found(State.MISSING)
+        return found
+
+    def _look_nowhere(self, path: Sdf.Path) -> _Found:
+        prim = self._nearest(path.GetPrimPath().GetParentPath())
+        above = prim.GetPath()
+        if not prim.IsPseudoRoot() and not prim.IsActive():
+            # Below an inactive prim nothing is composed: the specs tell whether something is there.
+            for spec in prim.GetPrimStack():
+                beneath = path.GetPrimPath().ReplacePrefix(above, spec.path)
+                if there := spec.layer.GetPrimAtPath(beneath):
+                    isa = frozenset({str(there.typeName)})
+                    return _Found(
+                        State.INACTIVE, str(there.typeName), isa, True, str(prim.GetPath())
+                    )
+        if asset := self._failures.hiding(str(path)):
+            return _Found(State.UNKNOWN, because=asset)
+        return _Found(State.MISSING)
+
+    def _nearest(self, path: Sdf.Path) -> Usd.Prim:
+        """The prim at the path, else the closest one above it that is on the stage."""
+        for prefix in reversed(path.GetPrefixes()):
+            if prim := self._stage.GetPrimAtPath(prefix):
+                return prim
+        return self._stage.GetPseudoRoot()
+
+    def _lost(self, prim: Usd.Prim, relationship: Usd.Relationship) -> Iterator[Lost]:
+        if not prim.GetPrimIndex().rootNode.children:
+            return
+        for spec in relationship.GetPropertyStack(Usd.TimeCode.Default()):
+            if not isinstance(spec, Sdf.RelationshipSpec):
+                continue
+            operation = spec.targetPathList
+            for written in listed(operation):
+                if out_of_namespace_of(prim, spec, written).isEmpty:
+                    site = Site(
+                        str(relationship.GetPath()),
+                        "targetPaths",
+                        str(written),
+                        spec.layer.identifier,
+                        str(spec.path),
+                    )
+                    arc = node_of(prim, spec)
+                    into = arc.GetIntroPath() if arc is not None else prim.GetPath()
+                    field = arc_field(arc) if arc is not None else "references"
+                    yield Lost(str(written), site, str(into), spec.layer.identifier, field)
+            if operation.isExplicit:
+                return  # what weaker layers list is replaced anyway
+
+    def _survey(self) -> None:
+        """Before anything is read: what stands where broken targets may have been meant."""
+        broken: list[tuple[Sdf.Path, Sdf.Path, str]] = []
+        for prim in render_prims(self._opened):
+            for name, expected in EXPECTED.items():
+                relationship = prim.GetRelationship(name)
+                if not relationship or not relationship.IsAuthored():
+                    continue
+                try:
+                    raw = relationship.GetTargets()
+                except Tf.ErrorException:
+                    continue
+                seen: set[str] = set()
+                for first in raw:
+                    for last, _ in self._forward(first, (), seen):
+                        if self._is_broken(last, expected):
+                            broken.append((prim.GetPath(), last, expected))
+        self._widen_to_meant(broken)
+        self._widen_to_kin(path for _, path, _ in broken)
+        # Each is compared with every prim of the type: nobody mends more than so many at once.
+        for _, path, expected in broken[:_MANY]:
+            self.suggest(path, expected)
+
+    def _is_broken(self, path: Sdf.Path, expected: str) -> bool:
+        found = self._look(path)
+        if found.state is State.UNKNOWN:
+            return False
+        return found.state is State.MISSING or expected not in found.isa
+
+    def _widen_to_meant(self, broken: list[tuple[Sdf.Path, Sdf.Path, str]]) -> None:
+        """`<Render/S>` on `/Render/A` is `/Render/A/Render/S`: was `/Render/S` meant?"""
+        from_root = {
+            str(path): str(path.ReplacePrefix(owner, Sdf.Path.absoluteRootPath))
+            for owner, path, _ in broken
+            if path.HasPrefix(owner) and path.GetPrimPath() != owner
+        }
+        widen(self._opened, sorted(from_root.values()))
+        for path, meant in from_root.items():
+            if self._look(Sdf.Path(meant)).state is not State.MISSING:
+                self._meant[path] = meant
+
+    def _widen_to_kin(self, paths: Iterable[Sdf.Path]) -> None:
+        """Siblings of what is missing, its place after relocation, children of what is of the wrong type."""
+        kin: list[str] = []
+        for path in paths:
+            if moved := self._relocated(path.GetPrimPath()):
+                kin.append(moved)
+            prim = self._nearest(path.GetPrimPath())
+            above = prim.GetPath()
+            names = prim.GetPrimIndex().ComputePrimChildNames()[0]
+            if len(names) <= _MANY:
+                kin.extend(str(above.AppendChild(name)) for name in names)
+        widen(self._opened, kin)
+
+    def suggest(self, path: Sdf.Path, expected: str) -> None:
+        """Note prims of the type that may have been meant by `path`, best first."""
+        key = (str(path), expected)
+        if key in self._candidates or expected == "":
+            return
+        census = self._census(expected)
+        name = path.GetPrimPath().name
+        best = sorted(census, key=lambda c: (-_likeness(name, str(path), c), c.path))
+        moved = self._relocated(path.GetPrimPath())
+        best.sort(key=lambda c: c.path != moved)
+        self._candidates[key] = tuple(best[:5])
+
+    def _relocated(self, path: Sdf.Path) -> str:
+        """Where a prim stands that a layer relocates: at its old path it reads as missing."""
+        for layer in self._stage.GetLayerStack(includeSessionLayers=False):
+            for source, target in layer.relocates:
+                if not target.isEmpty and path.HasPrefix(source):
+                    return str(path.ReplacePrefix(source, target))
+        return ""
+
+    def _census(self, expected: str) -> list[Candidate]:
+        found = {
+            str(p.GetPath()): Candidate(
+                str(p.GetPath()), str(p.GetTypeName()), Site(str(p.GetPath()))
+            )
+            for p in self._opened.stage.TraverseAll()
+            if p.GetTypeName() and p.IsA(expected) and state_of(p) is State.LIVE
+        }
+        if expected == "Camera":
+            for layer in self._stage.GetLayerStack(includeSessionLayers=False):
+                for path in _camera_specs(layer):
+                    found.setdefault(path, Candidate(path, "Camera", Site(path)))
+        return list(found.values())
+
+
+def arc_field(node: Pcp.NodeRef) -> str:
+    """The field of a prim spec that makes an arc of this kind."""
+    return _FIELD_OF_ARC.get(node.arcType, "references")
+
+
+def _clobbered(
+    prim: Usd.Prim, relationship: Usd.Relationship, raw: list[Sdf.Path]
+) -> Iterator[Clobbered]:
+    """What layers below an explicit list name, and the list does not."""
+    replaced = False
+    for spec in relationship.GetPropertyStack(Usd.TimeCode.Default()):
+        if not isinstance(spec, Sdf.RelationshipSpec):
+            continue
+        if replaced:
+            for written in listed(spec.targetPathList):
+                path = out_of_namespace_of(prim, spec, written)
+                if not path.isEmpty and path not in raw:
+                    at = str(relationship.GetPath())
+                    yield Clobbered(
+                        str(path),
+                        Site(
+                            at, "targetPaths", str(written), spec.layer.identifier, str(spec.path)
+                        ),
+                    )
+        elif spec.HasInfo("targetPaths") and spec.targetPathList.isExplicit:
+            replaced = True
+
+
+def _camera_specs(layer: Sdf.Layer) -> Iterator[str]:
+    pending = list(layer.rootPrims)
+    for _ in range(_SPECS):
+        if not pending:
+            return
+        spec = pending.pop()
+        if spec.specifier == Sdf.SpecifierClass or not spec.active:
+            continue
+        if spec.typeName == "Camera" and spec.specifier == Sdf.SpecifierDef:
+            yield str(spec.path)
+        pending.extend(spec.nameChildren)
+
+
+def _likeness(name: str, path: str, candidate: Candidate) -> float:
+    other = candidate.path.rpartition("/")[2]
+    if other.lower() == name.lower():
+        return 2.0
+    if candidate.path.startswith(path + "/"):
+        return 1.5  # the camera below the Xform that was named
+    return similarity(name, other)
+
+
+def similarity(one: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, one.lower(), other.lower()).ratio()

@@ -1,0 +1,215 @@
+"""What does a typed C++ read at the default time get for a schema attribute?"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any, TypeVar
+
+from pxr import Sdf, Usd, Vt
+
+from ..model import RENDER_TYPES, Attr, Property, Site, ValueState
+
+T = TypeVar("T")
+
+_VARYING = ("timeSamples", "spline")
+
+
+def plain_text(value: Any) -> str:
+    return str(value)
+
+
+def plain_tokens(value: Any) -> tuple[str, ...]:
+    return tuple(str(v) for v in value)
+
+
+def plain_ints(value: Any) -> tuple[int, ...]:
+    return tuple(int(v) for v in value)
+
+
+def plain_floats(value: Any) -> tuple[float, ...]:
+    return tuple(float(v) for v in value)
+
+
+def plain_asset(value: Any) -> str:
+    return str(value.path)
+
+
+def plain_expression(value: Any) -> str:
+    return str(value.GetText())
+
+
+def read_attr(
+    prim: Usd.Prim,
+    name: str,
+    plain: Callable[[Any], T],
+    empty: T,
+    *,
+    with_samples: bool = False,
+) -> Attr[T]:
+    """`empty` is what a reader holds when the value is blocked: a block kills the fallback too."""
+    site = Site(f"{prim.GetPath()}.{name}", "default")
+    schema = prim.GetPrimDefinition().GetSchemaAttributeSpec(name)
+    fallback = empty
+    if schema is not None and schema.default is not None:
+        fallback = plain(schema.default)
+    attribute = prim.GetAttribute(name)
+    if not attribute or not attribute.IsAuthored():
+        return Attr(name, fallback, ValueState.FALLBACK, site)
+    stack = [
+        spec
+        for spec in attribute.GetPropertyStack(Usd.TimeCode.Default())
+        if isinstance(spec, Sdf.AttributeSpec)
+    ]
+    authored_type = str(stack[0].typeName) if stack else None
+    varying = _varying(stack)
+    samples = _samples(attribute, plain) if with_samples and varying else ()
+
+    unread = ""
+
+    def attr(value: T, state: ValueState, at: Site = site) -> Attr[T]:
+        return Attr(name, value, state, at, samples, authored_type, varying, unread)
+
+    state = ValueState.AUTHORED
+    for spec in stack:
+        # An animation block ends the samples of weaker layers, and lets their defaults through.
+        if not spec.HasInfo("default") or isinstance(spec.default, Sdf.AnimationBlock):
+            continue
+        if isinstance(spec.default, Sdf.ValueBlock):
+            return attr(empty, ValueState.BLOCKED)
+        if schema is not None and not same_storage(spec.typeName, schema.typeName):
+            # Passed over, not refused: a weaker opinion of the right type is read (26.11).
+            state = ValueState.MISTYPED
+            unread = unread or _as_text(spec.default, bool(spec.typeName.isArray))
+            continue
+        return attr(plain(spec.default), state)
+    if state is ValueState.MISTYPED:
+        return attr(fallback, state)
+    if varying is not None:
+        return attr(fallback, ValueState.SAMPLED, Site(site.path, varying))
+    return attr(fallback, ValueState.FALLBACK)
+
+
+def _varying(stack: list[Sdf.AttributeSpec]) -> str | None:
+    """How the value changes over time: a stronger layer's default ends the samples of weaker ones."""
+    fields = ("default", *_VARYING)
+    strongest = next((s for s in stack if any(s.HasInfo(f) for f in fields)), None)
+    return next((f for f in _VARYING if strongest is not None and strongest.HasInfo(f)), None)
+
+
+def read_extras(prim: Usd.Prim) -> tuple[Attr[str], ...]:
+    """What renderers and studios author beside the schema; at the first sample where there is no
+    default, for it is never meant to vary."""
+    known = set(prim.GetPrimDefinition().GetPropertyNames())
+    found = []
+    for attribute in prim.GetAuthoredAttributes():
+        name = attribute.GetName()
+        if name in known:
+            continue
+        value = attribute.Get()
+        if value is None:
+            value = attribute.Get(Usd.TimeCode.EarliestTime())
+        text = _as_text(value, bool(attribute.GetTypeName().isArray))
+        state = ValueState.FALLBACK if value is None else ValueState.AUTHORED
+        site = Site(f"{prim.GetPath()}.{name}", "default")
+        found.append(Attr(name, text, state, site, (), str(attribute.GetTypeName())))
+    return tuple(found)
+
+
+def _as_text(value: Any, is_array: bool) -> str:
+    if value is None:
+        return ""
+    if is_array:
+        return f"[{len(value)}]"  # nobody reads it, and it may be long
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)
+
+
+def _samples(attribute: Usd.Attribute, plain: Callable[[Any], T]) -> tuple[tuple[float, T], ...]:
+    found = []
+    for time in attribute.GetTimeSamples():
+        value = attribute.Get(time)
+        if value is not None and not isinstance(value, Sdf.AssetPath):
+            found.append((float(time), plain(value)))
+    return tuple(found)
+
+
+def same_storage(one: Sdf.ValueTypeName, other: Sdf.ValueTypeName) -> bool:
+    """Types that differ in role only (`color3f`, `float3`) are read alike."""
+    return bool(one.type == other.type)
+
+
+@cache
+def built_in_of(type_name: str) -> frozenset[str]:
+    """Un-namespaced properties that the schema of a render type has."""
+    definition = Usd.SchemaRegistry().FindConcretePrimDefinition(type_name)
+    return frozenset(n for n in definition.GetPropertyNames() if ":" not in n)
+
+
+def owners_of(name: str) -> tuple[str, ...]:
+    return tuple(t for t in RENDER_TYPES if name in built_in_of(t))
+
+
+def read_properties(prim: Usd.Prim) -> tuple[Property, ...]:
+    """Every property that some layer authors, by name."""
+    definition = prim.GetPrimDefinition()
+    known = set(definition.GetPropertyNames())
+    return tuple(
+        _read_property(prim, name, definition, name in known)
+        for name in sorted(prim.GetAuthoredPropertyNames())
+    )
+
+
+def _read_property(
+    prim: Usd.Prim, name: str, definition: Usd.PrimDefinition, is_schema: bool
+) -> Property:
+    path = f"{prim.GetPath()}.{name}"
+    if not is_schema and ":" in name:
+        # Nobody judges a namespaced property but by its name: spare its property stack.
+        return Property(name, Site(path), is_relationship=False)
+    stack = prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
+    wanted_rel = is_schema and definition.GetSchemaRelationshipSpec(name) is not None
+    spec = stack[0]  # decides whether USD takes it for a relationship
+    if is_schema and not isinstance(spec, Sdf.RelationshipSpec):
+        valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))
+        spec = next(valued, spec)
+    is_rel = isinstance(spec, Sdf.RelationshipSpec)
+    schema_attr = definition.GetSchemaAttributeSpec(name) if is_schema and not wanted_rel else None
+    allowed = _allowed(schema_attr)
+    refused = _refused(spec, allowed) if allowed and not is_rel else ()
+    return Property(
+        name,
+        Site(
+            path,
+            None if is_rel else "typeName",
+            layer=spec.layer.identifier,
+            spec=str(spec.path),
+        ),
+        is_rel,
+        "" if is_rel else str(spec.typeName),
+        is_schema,
+        str(schema_attr.typeName) if schema_attr is not None else "",
+        wanted_rel,
+        schema_attr is None or is_rel or same_storage(spec.typeName, schema_attr.typeName),
+        () if is_schema else owners_of(name),
+        bool(spec.custom),
+        is_rel or spec.HasInfo("default") or spec.HasInfo("timeSamples") or spec.HasInfo("spline"),
+        not is_rel and spec.variability == Sdf.VariabilityUniform,
+        schema_attr is not None and schema_attr.variability == Sdf.VariabilityUniform,
+        refused,
+        allowed if refused else (),
+    )
+
+
+def _allowed(schema_attr: Sdf.AttributeSpec | None) -> tuple[str, ...]:
+    tokens = schema_attr.allowedTokens if schema_attr is not None else None
+    return tuple(str(t) for t in tokens) if tokens else ()
+
+
+def _refused(spec: Sdf.AttributeSpec, allowed: tuple[str, ...]) -> tuple[str, ...]:
+    value = spec.default
+    if not isinstance(value, str | Vt.TokenArray):
+        return ()  # nothing, a block, or of another type
+    tokens = (value,) if isinstance(value, str) else tuple(value)
+    return tuple(str(t) for t in tokens if str(t) not in allowed)
