@@ -1,0 +1,259 @@
+"""What is wrong with one root layer? The part of a run that touches USD."""
+
+from __future__ import annotations
+
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from pxr import Sdf, Tf
+
+from .discover import Shown
+from .discover import Target as File
+from .ignores import Ignores
+from .lint import Config, FileResult, crashed_rule
+from .locate import Locator, severity_of
+from .model import Layer, RenderScope, Site
+from .read import read
+from .read.expressions import ill_formed_expressions
+from .read.scene import read_scene
+from .read.text import Texts
+from .read.variants import VariantSet, selecting, variant_sets
+from .renderers import ANY, choose, renderer
+from .results import Located, Problem, RendererChoice
+from .rule import AnyRule, Context, Renderer
+from .run import Crash, Subject, run, subjects_of
+from .settle import settle
+from .stage import (
+    Diagnostics,
+    Opened,
+    ParseProblem,
+    Unreadable,
+    open_layer,
+    open_stage,
+    sentences,
+)
+from .suppress import is_about_suppressions
+from .variants import Outcome, merge_outcomes
+
+MOST_VARIANTS = 64
+"""Selections that `--variants` lints of one stage, beside the composed one."""
+
+
+def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
+    """Open, read, run, settle and locate; nothing of USD outlives the call."""
+    with Diagnostics() as said:
+        try:
+            result = _File(str(file.file), config, shown).lint()
+        except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
+            result = _failed(file, error)
+        said.collect()
+    return replace(result, chatter=(*result.chatter, *said.messages))
+
+
+def _failed(file: File, error: Exception) -> FileResult:
+    what = f"{type(error).__name__}: {error}".splitlines()[0]
+    message = f"linting it failed: {what}. This is a bug of usdrender-lint; -v tells where"
+    where = "".join(traceback.format_exception(error))
+    return FileResult(problems=(Problem("crashed-lint", file.shown, message),), chatter=(where,))
+
+
+@dataclass(slots=True)
+class _Stage:
+    """One opening of the file: what was found, and what the next opening needs to know."""
+
+    opened: Opened
+    scope: RenderScope
+    findings: tuple[Located, ...]
+    crashes: list[Crash]
+    choice: RendererChoice
+
+
+class _File:
+    def __init__(self, path: str, config: Config, shown: Shown) -> None:
+        self._path = path
+        self._root = shown(path)
+        self._config = config
+        self._shown = shown
+        self._texts = Texts()
+        self._ignores = Ignores(self._texts, shown)
+        self._ran: set[str] = set()
+        self._whole = True
+        """Whether no part of the stage was missing in any of its openings."""
+
+    def lint(self) -> FileResult:
+        layer = open_layer(self._path)
+        if isinstance(layer, Unreadable):
+            return FileResult(problems=(self._unreadable(layer),))
+        if isinstance(layer, ParseProblem):
+            guilty = ill_formed_expressions(self._texts, self._path) or [_as_layer(layer)]
+            return self._without_stage(guilty, [layer])
+        try:
+            composed = self._lint_stage(layer)
+        except Tf.ErrorException as error:
+            return self._unopened(layer, error)
+        return self._result(composed, layer)
+
+    def _result(self, composed: _Stage, layer: Sdf.Layer) -> FileResult:
+        findings, problems = composed.findings, self._problems(composed)
+        if self._config.variants:
+            outcomes, more = self._lint_variants(composed, layer)
+            findings, problems = merge_outcomes(findings, outcomes), [*problems, *more]
+        layers = composed.opened.stage.GetUsedLayers()
+        files = sorted({self._shown(_file_of(one.realPath)) for one in layers if one.realPath})
+        return FileResult(
+            findings,
+            tuple(problems),
+            composed.choice,
+            tuple(files),
+            ignores=self._ignores.own,
+            needed=self._ignores.needed,
+            ran=frozenset(self._ran) if self._whole else None,
+        )
+
+    def _lint_stage(self, layer: Sdf.Layer, session: Sdf.Layer | None = None) -> _Stage:
+        opened = open_stage(
+            layer, self._config.scopes, session, whole=self._config.selection.needs_scene
+        )
+        scope = read(opened, self._texts)
+        chosen, reason = (
+            choose(scope.evidence)
+            if self._config.renderer == "auto"
+            else (renderer(self._config.renderer), "asked for")
+        )
+        locator = Locator(opened.stage, self._path, self._texts, self._shown, opened.unparsed)
+        self._ignores.enter(opened.stage, locator, layer if self._judges_suppressions else None)
+        if opened.unparsed or any(error.touches_spec for error in scope.errors):
+            self._whole = False
+        found, crashes = self._findings([*self._subjects(opened, scope)], chosen, locator)
+        choice = RendererChoice(self._root, chosen.name, reason)
+        return _Stage(opened, scope, found, crashes, choice)
+
+    def _subjects(self, opened: Opened, scope: RenderScope) -> Iterator[Subject]:
+        yield from subjects_of(scope)
+        yield from map(_as_layer, dict.fromkeys(opened.unparsed))
+        if self._config.selection.needs_scene:
+            yield read_scene(opened.stage, scope)
+        layers = opened.stage.GetUsedLayers()
+        for file in sorted({one.realPath for one in layers if one.realPath}):
+            yield from ill_formed_expressions(self._texts, file)
+
+    def _lint_variants(
+        self, composed: _Stage, layer: Sdf.Layer
+    ) -> tuple[list[Outcome], list[Problem]]:
+        """Every variant of one set after the other, the other sets as they are composed."""
+        outcomes: list[Outcome] = []
+        problems: list[Problem] = []
+        for found in variant_sets(composed.opened, composed.scope):
+            for choice in found.others:
+                if len(outcomes) >= MOST_VARIANTS:
+                    said = f"more than {MOST_VARIANTS} variants: the rest was not linted"
+                    problems.append(Problem("too-many-variants", self._root, said))
+                    return outcomes, problems
+                try:
+                    linted = self._lint_stage(layer, selecting(found, choice))
+                except Tf.ErrorException:
+                    said = f"USD cannot open the stage with {found.spelt(choice)}"
+                    problems.append(Problem("unopened-stage", self._root, said))
+                    continue
+                problems.extend(self._problems(linted))
+                outcomes.append(_outcome(found, choice, linted))
+        return outcomes, problems
+
+    def _unopened(self, layer: Sdf.Layer, error: Tf.ErrorException) -> FileResult:
+        """The layer parses and the stage does not open: an ill-formed expression in a referenced
+        layer, or something that USD gives up on."""
+        guilty = [
+            problem
+            for file in _brought_in(layer)
+            for problem in ill_formed_expressions(self._texts, file)
+        ]
+        if guilty:
+            return self._without_stage(guilty, [])
+        said = "; ".join(sorted(set(sentences(error.args))))
+        message = f"USD cannot open the stage: {said}"
+        return FileResult(problems=(Problem("unopened-stage", self._root, message),))
+
+    def _without_stage(self, guilty: list[Layer], unparsed: list[ParseProblem]) -> FileResult:
+        locator = Locator(None, self._path, self._texts, self._shown, unparsed)
+        if self._judges_suppressions:
+            self._ignores.enter_text(self._path)
+        found, crashes = self._findings([*guilty], renderer(ANY), locator)
+        return FileResult(
+            found,
+            tuple(self._crashed(crashes)),
+            layers=(self._root,),
+            ignores=self._ignores.own,
+            needed=self._ignores.needed,
+        )
+
+    def _findings(
+        self, subjects: list[Subject], chosen: Renderer, locator: Locator
+    ) -> tuple[tuple[Located, ...], list[Crash]]:
+        selection = self._config.selection
+        rules = [r for r in selection.run if not r.renderers or chosen.name in r.renderers]
+        told, crashes = run(rules, subjects, Context(chosen))
+        settled = settle(told)
+        kept = {id(one) for one in settled}
+        found = []
+        # What another finding explains away comes back with the next change: its suppression is no
+        # idle one.
+        for one in told if self._judges_suppressions else settled:
+            severity = severity_of(one.rule, one.finding, chosen, self._config.severities)
+            if severity is not None and one.rule.id in selection.told:
+                judged = self._ignores.judge(locator.locate(one, severity))
+                if id(one) in kept:
+                    found.append(judged)
+        self._ran.update(r.id for r in rules if r.id in selection.told and self._speaks(r, chosen))
+        return tuple(found), crashes
+
+    def _speaks(self, rule: AnyRule, chosen: Renderer) -> bool:
+        severity = chosen.severities.get(rule.id, rule.severity)
+        return severity is not None or rule.id in self._config.severities
+
+    @property
+    def _judges_suppressions(self) -> bool:
+        selection = self._config.selection
+        return any(is_about_suppressions(r) and r.id in selection.told for r in selection.run)
+
+    def _problems(self, linted: _Stage) -> list[Problem]:
+        unreadable = [self._unreadable(u) for u in linted.opened.unreadable]
+        return [*unreadable, *self._crashed(linted.crashes)]
+
+    def _unreadable(self, found: Unreadable) -> Problem:
+        asked = f" (brought in by {self._shown(found.asked_by)})" if found.asked_by else ""
+        return Problem(found.kind, self._shown(found.file), found.message + asked)
+
+    def _crashed(self, crashes: list[Crash]) -> Iterator[Problem]:
+        for crash in crashes:
+            yield crashed_rule(self._root, crash)
+
+
+def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
+    return Outcome(found.key, found.selected, found.choices, choice, linted.findings)
+
+
+def _as_layer(problem: ParseProblem) -> Layer:
+    return Layer(problem.file, Site("/", "syntax", layer=problem.file), problem.message)
+
+
+def _file_of(path: str) -> str:
+    """The package for a layer inside one."""
+    return path.partition("[")[0] if path.endswith("]") else path
+
+
+def _brought_in(layer: Sdf.Layer) -> Iterator[str]:
+    """The files of all layers that a layer's arcs lead to: what does not open is not kept by USD,
+    so they are followed by their paths."""
+    pending, seen = [layer], {layer.realPath}
+    while pending:
+        one = pending.pop()
+        for asset in one.GetCompositionAssetDependencies():
+            file = one.ComputeAbsolutePath(asset)
+            if file in seen:
+                continue
+            seen.add(file)
+            yield file
+            found = open_layer(file)
+            if isinstance(found, Sdf.Layer):
+                pending.append(found)

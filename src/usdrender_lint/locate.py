@@ -1,0 +1,101 @@
+"""Where is it? From the site of a finding to a layer, a line and a column."""
+
+from __future__ import annotations
+
+from pxr import Usd
+
+from .discover import Shown
+from .model import HasSite, Site
+from .read.text import Texts
+from .results import Located, Location, Place, Span
+from .rule import AnyRule, Finding, Renderer, Severity
+from .run import Told
+from .sites import Spot, find
+from .stage import ParseProblem
+
+SYNTAX = "syntax"
+"""Field of a site that means the place where a layer stops being usda."""
+
+
+class Locator:
+    """Places for the findings of one stage."""
+
+    def __init__(
+        self,
+        stage: Usd.Stage | None,
+        root: str,
+        texts: Texts,
+        shown: Shown,
+        unparsed: list[ParseProblem],
+    ) -> None:
+        self._stage = stage
+        self._root = shown(root)
+        self._texts = texts
+        self._shown = shown
+        self._unparsed = {p.file: p for p in unparsed}
+
+    def locate(self, told: Told, severity: Severity) -> Located:
+        finding, site = told.finding, told.finding.at.site
+        return Located(
+            told.rule,
+            severity,
+            finding.message,
+            finding.label,
+            finding.help,
+            self.location(site),
+            site.prim_path,
+            site.property_name,
+            site.target,
+            tuple(self._place(at, text) for at, text in finding.related),
+            (self._root,),
+        )
+
+    def _place(self, at: HasSite, text: str) -> Place:
+        site = at.site
+        return Place(text, self.location(site), site.prim_path, site.property_name)
+
+    def location(self, site: Site) -> Location:
+        if site.field == SYNTAX and site.layer is not None:
+            return self._parse_location(site.layer, site)
+        if self._stage is None:
+            return self._in_file(site.layer or "", None)
+        return self._spot_location(find(self._stage, site))
+
+    def _spot_location(self, spot: Spot) -> Location:
+        text = self._texts.of(spot.layer)
+        span = text.span(spot.path, spot.field, spot.target) if text else None
+        source = text.line(span.line) if text and span else None
+        return self._in_file(spot.layer.realPath or spot.layer.identifier, span, source)
+
+    def _parse_location(self, file: str, site: Site) -> Location:
+        text = self._texts.of_file(file)
+        if text is None:
+            return self._in_file(file, None)
+        if site.spec:  # an expression: its property is known
+            span = text.span(site.spec, "default")
+            return self._in_file(file, span, text.line(span.line) if span else None)
+        problem = self._unparsed[file]
+        source = text.line(problem.line)
+        column = len(source.encode()[: problem.column - 1].decode(errors="replace")) + 1
+        end = min(len(source) + 1, column + 1)
+        return self._in_file(file, Span(problem.line, column, max(end, column)), source)
+
+    def _in_file(self, file: str, span: Span | None, source: str | None = None) -> Location:
+        member = None
+        if file.endswith("]") and "[" in file:
+            file, _, member = file[:-1].partition("[")
+        return Location(file, self._shown(file), member, span, source)
+
+
+def severity_of(
+    rule: AnyRule, finding: Finding, renderer: Renderer, chosen: dict[str, Severity]
+) -> Severity | None:
+    """What the person says stands above what the renderer does, above what the rule says.
+
+    None: off for this renderer.
+    """
+    if rule.id in chosen:
+        return chosen[rule.id]
+    if rule.id in renderer.severities:
+        return renderer.severities[rule.id]
+    return finding.severity or rule.severity

@@ -1,0 +1,60 @@
+"""What do the rules say about the subjects?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+
+from .model import Camera, Layer, RenderPrim, RenderScope, Scene, Suppressions
+from .rule import AnyRule, Context, Finding
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """A finding and the rule that told it."""
+
+    rule: AnyRule
+    finding: Finding
+
+
+@dataclass(frozen=True, slots=True)
+class Crash:
+    """A rule that raised. Data, not an end: the other rules still run, and the run is incomplete."""
+
+    rule: AnyRule
+    subject: str
+    error: str
+
+
+Subject = RenderScope | RenderPrim | Camera | Layer | Scene | Suppressions
+
+
+def subjects_of(scope: RenderScope) -> Iterator[Subject]:
+    """The scope as a whole, and every live render prim: nobody renders the others."""
+    yield scope
+    shared: set[str] = set()
+    for prim in scope.prims():
+        if prim.live and prim.prototype not in shared:
+            yield prim
+        if prim.prototype:  # what instances share is judged once, at the first of them
+            shared.add(prim.prototype)
+    yield from scope.cameras
+
+
+def run(
+    rules: Iterable[AnyRule], subjects: Iterable[Subject], context: Context
+) -> tuple[list[Told], list[Crash]]:
+    told: list[Told] = []
+    crashes: list[Crash] = []
+    everything = list(subjects)
+    of_type: dict[type, list[Subject]] = {}
+    for rule in rules:
+        if rule.on not in of_type:
+            of_type[rule.on] = [s for s in everything if isinstance(s, rule.on)]
+        for subject in of_type[rule.on]:
+            try:
+                told.extend(Told(rule, finding) for finding in rule.check(subject, context))
+            except Exception as error:  # noqa: BLE001 a rule's bug must not cost the other rules' findings
+                name = subject.path if not isinstance(subject, RenderScope) else subject.root
+                crashes.append(Crash(rule, name, f"{type(error).__name__}: {error}"))
+    return told, crashes
