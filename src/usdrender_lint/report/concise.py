@@ -1,0 +1,35 @@
+"""How does a report look to grep and to an editor? One line a finding."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..results import Located, Report
+from .full import BOLD, SEVERITY_SGR, Ink, escaped, position, shown, spec, summary, variants_shown
+
+
+def render(
+    report: Report,
+    *,
+    color: bool,
+    verbose: bool = False,
+    quiet: bool = False,
+    base: Path | None = None,
+) -> str:
+    """All findings, then the summary unless `quiet`."""
+    base = base or Path.cwd()
+    lines = "".join(f"{line(finding, Ink(color), base)}\n" for finding in report.findings)
+    return lines if quiet else lines + summary(report, verbose=verbose)
+
+
+def line(finding: Located, ink: Ink, base: Path | None = None) -> str:
+    """Place, rule, message, object. Without `base` paths are the report's own."""
+    at = finding.location
+    parts = (
+        f"{ink(BOLD, shown(at, base))}{position(at.span)}:",
+        ink(SEVERITY_SGR[finding.severity], f"{finding.severity}[{finding.rule.id}]"),
+        escaped(finding.message),
+        spec(finding.prim_path, finding.property),
+        f"(only with {variants_shown(finding)})" if finding.variants else "",
+    )
+    return " ".join(filter(None, parts))
