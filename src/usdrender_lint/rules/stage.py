@@ -1,0 +1,332 @@
+"""Does the stage open, and does it say which RenderSettings is the default?"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..model import ArcError, Layer, RenderScope, Settings, Site, State, Target
+from ..rule import Context, Finding, Severity, rule
+from ._words import a_or_an, did_you_mean, paths
+
+GROUP = "stage"
+KEY = "renderSettingsPrimPath"
+_FRAME_TOKEN = re.compile(r"\$F\d*|<F\d*>|#+|%0?\d*d|\{frame\}|@Frame")
+_NETWORK = ("http://", "https://", "omniverse://", "s3://")
+
+
+def _live(scope: RenderScope) -> list[Settings]:
+    return [s for s in scope.settings if s.live]
+
+
+def _author(settings: list[Settings]) -> str:
+    if len(settings) == 1:
+        return f'write {KEY} = "{settings[0].path}" in the metadata of the root layer'
+    return (
+        f"write {KEY} in the metadata of the root layer: one of {paths(s.path for s in settings)}"
+    )
+
+
+@rule("default-settings-unset", on=RenderScope, severity=Severity.WARNING, since="0.1")
+def default_settings_unset(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """The stage has RenderSettings and does not say which is the default."""
+    settings = _live(scope)
+    opinion = scope.default.opinion
+    if not settings or (opinion is not None and opinion.value):
+        return
+    if len(settings) == 1:
+        said = f"no {KEY}: usdrecord and Hydra hosts will render without <{settings[0].path}>"
+    else:
+        said = f"no {KEY}: each renderer chooses among {paths(s.path for s in settings)} by itself"
+    yield Finding(scope.default, said, help=_author(settings))
+
+
+@rule("default-settings-unresolved", on=RenderScope, severity=Severity.ERROR, since="0.1")
+def default_settings_unresolved(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """The default settings path leads to no prim."""
+    target = scope.default.target
+    has_prims = scope.scopes or scope.strays or not scope.only_overrides
+    if target is None or target.state is not State.MISSING or not has_prims:
+        return
+    yield Finding(
+        target,
+        f"the default render settings <{target.path}> do not exist",
+        label="no prim here",
+        help=did_you_mean(target, "RenderSettings", "RenderSettings"),
+        related=_first_candidate(target),
+    )
+
+
+def _first_candidate(target: Target) -> tuple[tuple[Site, str], ...]:
+    return tuple((c.site, f"is {a_or_an(c.type_name)}") for c in target.candidates[:1])
+
+
+@rule("default-settings-bad-path", on=RenderScope, severity=Severity.ERROR, since="0.1")
+def default_settings_bad_path(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """The default settings path is not an absolute prim path."""
+    default = scope.default
+    if default.problem is None or default.opinion is None:
+        return
+    value = default.opinion.value
+    tidied = "/" + value.strip().strip("<>").strip().strip("/")
+    settings = _live(scope)
+    if any(s.path == tidied for s in settings):
+        todo = f'write {KEY} = "{tidied}"'
+    elif settings:
+        todo = _author(settings)
+    else:
+        todo = f"{KEY} takes the absolute path of a RenderSettings prim, as a string"
+    yield Finding(
+        default.opinion,
+        f"'{value}' is not the absolute path of a prim: {default.problem}",
+        label="USD finds no settings by this",
+        help=todo,
+    )
+
+
+@rule("default-settings-wrong-type", on=RenderScope, severity=Severity.ERROR, since="0.1")
+def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """The default settings path leads to a prim that is not a RenderSettings."""
+    target = scope.default.target
+    if target is None or target.state in (State.MISSING, State.UNKNOWN) or scope.only_overrides:
+        return
+    if "RenderSettings" in target.isa or (target.state is State.OVER and not target.type_name):
+        return
+    if not target.type_known:
+        yield Finding(
+            target,
+            f"the default render settings <{target.path}> are of the unknown type '{target.type_name}'",
+            label="a plug-in's type, or a typo",
+            severity=Severity.WARNING,
+        )
+        return
+    kind = a_or_an(target.type_name) if target.type_name else "a prim without a type"
+    yield Finding(
+        target,
+        f"the default render settings <{target.path}> are {kind}, not a RenderSettings",
+        label=f"{kind}",
+        help=did_you_mean(target, "RenderSettings", "RenderSettings"),
+    )
+
+
+@rule(
+    "default-settings-not-live",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("dangling-over",),
+)
+def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """The default settings are inactive, only an `over`, or abstract."""
+    target = scope.default.target
+    if target is None or scope.only_overrides:
+        return
+    why = {
+        State.INACTIVE: "are inactive",
+        State.OVER: "are only an 'over': no layer defines them",
+        State.ABSTRACT: "are a class, or stand below one",
+    }.get(target.state)
+    if why is None or (target.type_name and "RenderSettings" not in target.isa):
+        return
+    if target.because:
+        why = f"are inactive, as <{target.because}> is"
+    yield Finding(
+        target,
+        f"the default render settings <{target.path}> {why}: no renderer meets them",
+        label="not live",
+        related=((Site(target.path), "is the prim"),),
+        explains=(Site(target.path),),
+    )
+
+
+@rule(
+    "default-settings-in-sublayer",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("default-settings-unset",),
+)
+def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """A sublayer sets the default settings, where USD does not look."""
+    used = scope.default.opinion
+    for opinion in scope.default.sublayers:
+        if used is not None and used.value:
+            if used.value == opinion.value:
+                continue
+            yield Finding(
+                opinion,
+                f"{KEY} has no effect in a sublayer: the root layer says '{used.value}'",
+                label="not read",
+                help="remove it, or change the root layer's",
+                severity=Severity.NOTE,
+                related=((used, "is the value that counts"),),
+            )
+        elif opinion.value:
+            yield Finding(
+                opinion,
+                f"{KEY} has no effect in a sublayer: the stage has no default render settings",
+                label="not read",
+                help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
+            )
+
+
+@rule(
+    "default-settings-misspelled",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    supersedes=("default-settings-unset",),
+)
+def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """A metadata key looks like `renderSettingsPrimPath` and is not."""
+    if scope.default.opinion is not None and scope.default.opinion.value:
+        return
+    for opinion in scope.default.misspelled:
+        if opinion.in_custom_data:
+            said = f"'{opinion.key}' in customLayerData is not read: it belongs beside it"
+        else:
+            said = f"'{opinion.key}' is no metadata that USD reads"
+        yield Finding(
+            opinion,
+            said,
+            label=f"not {KEY}",
+            help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
+        )
+
+
+@rule("no-render-settings", on=RenderScope, severity=Severity.WARNING, since="0.1")
+def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """There are products or vars and no RenderSettings that could use them."""
+    # A pass says itself that its render source is missing.
+    prims = [p for p in (*scope.products, *scope.vars) if p.live]
+    if not prims or scope.settings or _may_be_settings(scope):
+        return
+    first = min(prims, key=lambda p: p.path)
+    kinds = sorted({p.type_name for p in prims})
+    above = next((s for s in scope.scopes if first.path.startswith(s.path + "/")), None)
+    parent = first.path.rpartition("/")[0]
+    yield Finding(
+        above or Site(parent or first.path),
+        f"{' and '.join(kinds)} prims, but no RenderSettings: no renderer reaches them",
+        label="no RenderSettings here",
+        help="add a RenderSettings that lists the products, and name it as the default",
+    )
+
+
+def _may_be_settings(scope: RenderScope) -> bool:
+    """Something is meant as settings, or could be if its reference opened."""
+    default = scope.default.target
+    return (
+        any(
+            o.behind_failed_arc
+            or "settings" in o.type_name.lower()
+            or any(p.name == "products" for p in o.properties)
+            for o in scope.others
+        )
+        or any(e.arc == "sublayer" for e in scope.errors)
+        or (default is not None and default.unknown)
+    )
+
+
+@rule("syntax-error", on=Layer, severity=Severity.ERROR, since="0.1")
+def syntax_error(layer: Layer, context: Context) -> Iterator[Finding]:
+    """A layer does not parse."""
+    if layer.problem is not None:
+        yield Finding(
+            layer,
+            layer.problem,
+            help="nothing in this layer takes part in the render until it parses",
+        )
+
+
+@rule("composition-error", on=RenderScope, severity=Severity.ERROR, since="0.1")
+def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """A sublayer, reference or payload of the render spec cannot be composed."""
+    for error in scope.errors:
+        times = f" ({error.count} times)" if error.count > 1 else ""
+        yield Finding(
+            error.site,
+            f"{_what_failed(error)}{times}",
+            label="not composed",
+            help=_what_to_do(error),
+            severity=_how_bad(error),
+            related=tuple(_hidden(scope, error)),
+        )
+
+
+def _how_bad(error: ArcError) -> Severity | None:
+    if error.asset.startswith(_NETWORK):
+        return Severity.NOTE  # a resolver of the studio or the host application may fetch it
+    return None if error.touches_spec else Severity.WARNING
+
+
+def _what_failed(error: ArcError) -> str:
+    into = f" on <{error.prims[0]}>" if error.prims and error.prims[0] != "/" else ""
+    match error.kind:
+        case "missing-asset" if error.asset.startswith(_NETWORK):
+            return f"the {error.arc} @{error.asset}@{into} is on the network: it was not looked at"
+        case "missing-asset":
+            return f"the {error.arc} @{error.asset}@{into} leads to no file"
+        case "missing-prim" if error.asset:
+            return f"@{error.asset}@ has no prim <{error.prim}> for the {error.arc}{into}"
+        case "missing-prim":
+            return f"the {error.arc}{into} leads to <{error.prim}>, which does not exist"
+        case "no-default-prim":
+            return (
+                f"the {error.arc} @{error.asset}@{into} names no prim, and the layer no defaultPrim"
+            )
+        case "cycle":
+            return f"the references, payloads or inherits{into} lead back to themselves"
+        case "sublayer-cycle":
+            return "the sublayers lead back to themselves"
+        case _:
+            words = "".join(f" {c.lower()}" if c.isupper() else c for c in error.kind)
+            return f"composition failed{into}:{words.removeprefix(' error')}"
+
+
+def _what_to_do(error: ArcError) -> str:
+    match error.kind:
+        case "missing-asset" if error.asset.startswith(_NETWORK):
+            return "what it holds is unknown here, not missing"
+        case "missing-asset":
+            return "correct the path, or bring the file; what it holds is missing from the render"
+        case "missing-prim":
+            return "correct the prim's path, or leave it out to take the layer's defaultPrim"
+        case "no-default-prim":
+            return f"write the prim after the asset, or a defaultPrim in @{error.asset}@"
+        case _:
+            return ""
+
+
+def _hidden(scope: RenderScope, error: ArcError) -> Iterator[tuple[Target, str]]:
+    """Targets that may stand behind the asset: unknown, not missing."""
+    hiding = error.asset or f"<{error.prim}>"
+    seen: set[str] = set()
+    for prim in scope.prims():
+        for rel in prim.rels:
+            for target in rel.targets:
+                if target.unknown and target.because == hiding and target.path not in seen:
+                    seen.add(target.path)
+                    if len(seen) <= 3:
+                        yield target, f"leads to <{target.path}>, which may be in it"
+
+
+@rule("missing-frame-range", on=RenderScope, severity=Severity.NOTE, since="0.1", default=False)
+def missing_frame_range(scope: RenderScope, context: Context) -> Iterator[Finding]:
+    """Products are meant for a sequence, and the stage says no frames."""
+    if scope.frames.start is not None and scope.frames.end is not None:
+        return
+    for product in scope.products:
+        name = product.first_name
+        if not product.live or not (
+            len(product.product_name.samples) > 1 or _FRAME_TOKEN.search(name)
+        ):
+            continue
+        yield Finding(
+            scope.frames,
+            f"<{product.path}> is named for a sequence ('{name}'), and the stage has no startTimeCode and endTimeCode: usdrecord renders one frame",
+            label="no frame range",
+            help="write startTimeCode and endTimeCode in the metadata of the root layer",
+            related=((product.product_name, "is named for a sequence"),),
+        )
+        return
