@@ -1,0 +1,249 @@
+"""Do the relationships of the render spec lead to what they need?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fnmatch import fnmatchcase
+
+from ..model import Pass, Property, Rel, RenderPrim, Site, State, Target
+from ..rule import Context, Finding, Renderer, Severity, rule
+from ._words import a_or_an, did_you_mean
+
+GROUP = "property"
+
+_WANTED = {
+    "camera": ("camera", "Camera", "cameras"),
+    "products": ("product", "RenderProduct", "RenderProducts"),
+    "orderedVars": ("var", "RenderVar", "RenderVars"),
+    "renderSource": ("render source", "RenderSettings", "RenderSettings"),
+    "inputPasses": ("input pass", "RenderPass", "RenderPasses"),
+}
+_ONLY_FIRST = ("camera", "renderSource")
+
+
+def _judged(prim: RenderPrim) -> Iterator[tuple[Rel, Target]]:
+    """Targets that a renderer follows. A pass of an external application may point anywhere."""
+    for rel in prim.rels:
+        if rel.name == "renderSource" and isinstance(prim, Pass) and prim.file_name.value:
+            continue
+        for target in rel.targets:
+            yield rel, target
+
+
+def _is_host_prim(target: Target, renderer: Renderer) -> bool:
+    return any(fnmatchcase(target.path, pattern) for pattern in renderer.host_prims)
+
+
+def _is_relative(target: Target) -> bool:
+    """Written without the leading slash, where the path from the root was meant."""
+    if target.state is not State.MISSING or target.via:
+        return False
+    if target.probably_relative:
+        return True
+    written = target.as_written
+    return (
+        written is not None
+        and not written.startswith(".")
+        and (target.meant is not None or "/" in written)
+    )
+
+
+@rule(
+    "relative-target",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("unresolved-target", "missing-camera"),
+)
+def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A target is written without a leading `/` and leads nowhere."""
+    for _, target in _judged(prim):
+        if not _is_relative(target):
+            continue
+        written = target.as_written or (target.meant or "")[1:]
+        probably = "" if target.as_written else "probably written as "
+        yield Finding(
+            target,
+            f"{probably}<{written}> is relative to <{prim.path}>: it leads to <{target.path}>, which does not exist",
+            label="no leading '/'",
+            help=f"write <{target.meant or '/' + written}>",
+        )
+
+
+@rule(
+    "unresolved-target",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("multiple-cameras",),
+)
+def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A camera, product, var, render source or input pass does not exist."""
+    for rel, target in _judged(prim):
+        if target.state is not State.MISSING or _is_host_prim(target, context.renderer):
+            continue
+        what, kind, plural = _WANTED[rel.name]
+        if target.is_property and rel.name == "renderSource":
+            said = f"{what} <{target.path}> does not exist: no such property"
+        else:
+            said = f"{what} <{target.path}> does not exist"
+        yield Finding(
+            target,
+            f"{said}{_by_way_of(target)}",
+            label="no prim here",
+            help=did_you_mean(target, kind, plural),
+            related=tuple((c.site, f"is {a_or_an(c.type_name)}") for c in target.candidates[:1]),
+        )
+
+
+def _by_way_of(target: Target) -> str:
+    return f" (by way of <{target.via[-1]}>)" if target.via else ""
+
+
+@rule("wrong-target-type", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A target exists and is of the wrong type."""
+    for rel, target in _judged(prim):
+        what, kind, plural = _WANTED[rel.name]
+        if target.state in (State.MISSING, State.UNKNOWN) or not _is_wrong(target, kind, context):
+            continue
+        if target.is_property:
+            if rel.name == "renderSource":
+                continue  # a node of another application, named by an attribute
+            found = "a property"
+        else:
+            found = a_or_an(target.type_name) if target.type_name else "a prim without a type"
+        yield Finding(
+            target,
+            f"{what} <{target.path}> is {found}, not {a_or_an(kind)}{_by_way_of(target)}",
+            label=found,
+            help=did_you_mean(target, kind, plural),
+            related=((Site(target.path), "is the prim"),),
+        )
+
+
+def _is_wrong(target: Target, kind: str, context: Context) -> bool:
+    if target.is_property:
+        return True
+    if kind in target.isa:
+        return False
+    if kind == "Camera" and context.renderer.accepts_camera(target.type_name):
+        return False
+    if not target.type_name:
+        return target.state is State.LIVE
+    return target.type_known
+
+
+@rule(
+    "dead-target",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("dangling-over",),
+)
+def dead_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A target is inactive, only an `over`, or abstract."""
+    why = {
+        State.INACTIVE: "is inactive",
+        State.OVER: "is only an 'over', which no layer defines",
+        State.ABSTRACT: "is a class, or stands below one",
+    }
+    for rel, target in _judged(prim):
+        what, kind, _ = _WANTED[rel.name]
+        if target.state not in why or _is_host_prim(target, context.renderer):
+            continue
+        if target.type_name and _is_wrong(target, kind, context):
+            continue
+        said = why[target.state]
+        if target.because:
+            said = f"is inactive, as <{target.because}> is"
+        others = any(t.live for t in rel.targets) and rel.name not in _ONLY_FIRST
+        yield Finding(
+            target,
+            f"{what} <{target.path}> {said}: renderers drop it",
+            label="not live",
+            help="remove the target, or bring the prim to life",
+            related=((Site(target.path), "is the prim"),),
+            severity=Severity.WARNING if others else None,
+            explains=(Site(target.path),),
+        )
+
+
+@rule(
+    "target-outside-reference",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("unresolved-target", "missing-camera", "product-without-vars"),
+)
+def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A target leads out of the layer that is referenced, and USD drops it."""
+    for rel in prim.rels:
+        if rel.name in _ONLY_FIRST and rel.targets:
+            continue  # a stronger layer names it anew
+        for lost in rel.lost:
+            what = _WANTED[rel.name][0]
+            yield Finding(
+                lost.site,
+                f"{what} <{lost.path}> stands outside what <{lost.arc_prim}> brings in, so USD drops it",
+                label="dropped",
+                help="write the relationship again in the layer that references, or sublayer this one",
+                related=((Site(lost.arc_prim, lost.arc_field), "brings the layer in"),),
+            )
+
+
+@rule(
+    "kind-mismatch",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=(
+        "missing-camera",
+        "missing-render-source",
+        "product-without-vars",
+        "settings-without-products",
+        "unresolved-target",
+    ),
+)
+def kind_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A relationship is authored as an attribute, or an attribute as a relationship."""
+    for found in prim.properties:
+        if not found.is_schema or found.is_relationship == found.schema_is_relationship:
+            continue
+        yield Finding(
+            found,
+            f"'{found.name}' is {_kind(found.schema_is_relationship)}, but is authored as "
+            f"{_kind(found.is_relationship)}: it has no effect",
+            label=f"not {_kind(found.schema_is_relationship)}",
+            help=_right_form(found),
+        )
+
+
+def _kind(is_relationship: bool) -> str:
+    return "a relationship" if is_relationship else "an attribute"
+
+
+def _right_form(found: Property) -> str:
+    if found.schema_is_relationship:
+        return f"write rel {found.name} = </path>"
+    return f"write {found.schema_type} {found.name} = ..."
+
+
+@rule(
+    "forwarded-target",
+    on=RenderPrim,
+    severity=Severity.NOTE,
+    since="0.1",
+    default=False,
+)
+def forwarded_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+    """A target leads to its prim by way of another relationship, which some renderers do not follow."""
+    for rel, target in _judged(prim):
+        what, kind, _ = _WANTED[rel.name]
+        if target.via and target.live and kind in target.isa:
+            yield Finding(
+                target,
+                f"{what} <{target.path}> is reached by way of <{target.via[-1]}>: husk, Arnold and usdrecord do not follow it",
+                label="forwards",
+                help=f"write <{target.path}>",
+            )
