@@ -1,0 +1,32 @@
+"""How many numbers does a dataType hold, and of what kind?"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+_PIXEL = re.compile(
+    r"(?P<base>half|float|double|int|uint)(?P<size>[234])?"
+    r"|(?P<other>u?int64|uchar|u?int8|[iu]8|float16)"
+    r"|(?:color|point|vector|normal|texCoord)(?P<length>[234])(?P<kind>[hfd]|[iu]8)"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Pixel:
+    components: int
+    whole: bool
+    """Whole numbers."""
+    half: bool
+    """16 bits: whole numbers only to 2048."""
+
+
+def pixel(data_type: str) -> Pixel | None:
+    """None for a type that is no pixel of an image: text, matrices, arrays ..."""
+    found = _PIXEL.fullmatch(data_type)
+    if found is None:
+        return None
+    kind = found["base"] or found["other"] or found["kind"]
+    whole = kind.startswith(("int", "uint", "uchar", "i8", "u8"))
+    half = kind in ("half", "float16", "h")
+    return Pixel(int(found["size"] or found["length"] or 1), whole, half)
