@@ -1,0 +1,141 @@
+"""Rules that need the whole stage run when asked for, and never cost a run that did not ask."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from usdrender_lint.lint import Config, lint
+from usdrender_lint.registry import all_rules, select
+from usdrender_lint.results import Report
+
+STAGE = """\
+#usda 1.0
+(
+    renderSettingsPrimPath = "/Render/S"
+)
+def Scope "Render"
+{
+    def RenderSettings "S"
+    {
+        rel camera = </World/cam>
+        rel products = </Render/P>
+        uniform token[] includedPurposes = ["default"]
+        uniform token[] materialBindingPurposes = ["preview", ""]
+    }
+    def RenderProduct "P"
+    {
+        token productName = "/out/x.exr"
+        rel orderedVars = [</Render/v>, </Render/id>]
+    }
+    def RenderVar "v"
+    {
+        uniform string sourceName = "Ci"
+    }
+    def RenderVar "id"
+    {
+        uniform token dataType = "int"
+        uniform string sourceName = "object_id"
+        uniform token sourceType = "primvar"
+    }
+    def RenderPass "chars"
+    {
+        rel renderSource = </Render/S>
+        uniform bool collection:renderVisibility:includeRoot = false
+        rel collection:renderVisibility:includes = </World/char>
+    }
+}
+def Xform "World"
+{
+    def Camera "cam"
+    {
+    }
+    def Xform "char" (
+        prepend apiSchemas = ["MaterialBindingAPI"]
+    )
+    {
+        uniform token purpose = "render"
+        rel material:binding:full = </World/mtl>
+        def Sphere "head"
+        {
+        }
+        def Sphere "body"
+        {
+        }
+    }
+    def Material "mtl"
+    {
+    }
+    def DistantLight "sun"
+    {
+    }
+}
+"""
+
+SCENE_RULES = sorted(r.id for r in all_rules().values() if r.needs_scene)
+
+
+def lint_text(folder: Path, text: str, *rules: str, scene: bool = False) -> Report:
+    file = folder / "main.usda"
+    file.write_text(text, "utf-8")
+    selection = select(rules or ("default",), scene=scene)
+    return lint([str(file)], Config(selection), cwd=folder)
+
+
+def messages(report: Report) -> dict[str, str]:
+    return {f.rule.id: f.message for f in report.findings}
+
+
+def test_by_default_they_are_skipped_and_that_is_said(tmp_path: Path) -> None:
+    report = lint_text(tmp_path, STAGE)
+    assert not set(messages(report)).intersection(SCENE_RULES)
+    assert "lights-hidden-by-pass" in {s.rule for s in report.skipped}
+
+
+def test_a_group_does_not_open_the_whole_stage(tmp_path: Path) -> None:
+    report = lint_text(tmp_path, STAGE, "purpose")
+    assert {s.rule for s in report.skipped} == {"hidden-render-geometry", "unshaded-by-purpose"}
+
+
+def test_with_scene_all_of_them_run(tmp_path: Path) -> None:
+    report = lint_text(tmp_path, STAGE, scene=True)
+    found = messages(report)
+    assert report.skipped == ()
+    assert "2 gprims of purpose 'render'" in found["hidden-render-geometry"]
+    assert "2 gprims will be unshaded" in found["unshaded-by-purpose"]
+    assert "'object_id'" in found["unknown-primvar"]
+    assert "none of the scene's lights" in found["lights-hidden-by-pass"]
+
+
+@pytest.mark.parametrize("rule", SCENE_RULES)
+def test_a_named_rule_runs_without_the_flag(rule: str, tmp_path: Path) -> None:
+    report = lint_text(tmp_path, STAGE, rule)
+    assert [r.id for r in report.rules if r.needs_scene] == [rule]
+
+
+def test_what_is_right_is_met_with_silence(tmp_path: Path) -> None:
+    right = (
+        STAGE.replace('["default"]', '["default", "render"]')
+        .replace('["preview", ""]', '["full", ""]')
+        .replace("includes = </World/char>", "includes = [</World/char>, </World/sun>]")
+        .replace(
+            'def Sphere "head"\n        {\n',
+            'def Sphere "head"\n        {\n            int primvars:object_id = 1\n',
+        )
+    )
+    report = lint_text(tmp_path, right, *SCENE_RULES)
+    assert messages(report) == {}
+
+
+def test_a_binding_for_all_purposes_is_what_everybody_falls_back_on(tmp_path: Path) -> None:
+    text = STAGE.replace("material:binding:full", "material:binding")
+    assert messages(lint_text(tmp_path, text, "unshaded-by-purpose")) == {}
+
+
+def test_masked_and_whole_say_the_same(tmp_path: Path) -> None:
+    text = STAGE.replace("</World/cam>", "</World/camera>")
+    masked = lint_text(tmp_path, text)
+    whole = lint_text(tmp_path, text, scene=True)
+    others = [f.identity for f in whole.findings if not f.rule.needs_scene]
+    assert [f.identity for f in masked.findings] == others
