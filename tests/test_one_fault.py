@@ -1,0 +1,301 @@
+"""One fault gives one finding, and what nobody could look at is no fault."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from usdrender_lint.lint import lint
+from usdrender_lint.testing import lint_files
+
+META = '(\n    renderSettingsPrimPath = "/Render/S"\n)\n'
+WORLD = 'def Xform "World"\n{\n    def Camera "cam"\n    {\n    }\n}\n'
+
+
+def stage(
+    settings: str = "rel camera = </World/cam>\n        rel products = </Render/P>",
+    product: str = 'token productName = "/out/a.exr"\n        rel orderedVars = </Render/v>',
+    var: str = 'string sourceName = "Ci"',
+    more: str = "",
+    *,
+    on_settings: str = "",
+    on_product: str = "",
+    on_var: str = "",
+    world: str = WORLD,
+) -> str:
+    return (
+        f'#usda 1.0\n{META}def Scope "Render"\n{{\n'
+        f'    def RenderSettings "S" {on_settings}\n    {{\n        {settings}\n    }}\n'
+        f'    def RenderProduct "P" {on_product}\n    {{\n        {product}\n    }}\n'
+        f'    def RenderVar "v" {on_var}\n    {{\n        {var}\n    }}\n{more}}}\n{world}'
+    )
+
+
+def found(main: str, **layers: str) -> list[str]:
+    files = {f"{name}.usda": f"#usda 1.0\n{text}" for name, text in layers.items()}
+    report, marks = lint_files({"main.usda": main, **files})
+    assert report.problems == ()
+    return [m.rule for m in marks]
+
+
+def test_the_base_is_right() -> None:
+    assert found(stage()) == []
+
+
+# 1. What a failed reference may bring is not missing: false errors.
+
+FAILED = "(\n        references = @./no.usda@\n    )"
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        stage(product="bool disableMotionBlur = 0", on_product=FAILED),
+        stage(settings="rel products = </Render/P>", on_settings=FAILED),
+        stage(settings="rel products = </Render/P>", on_product=FAILED),
+        stage(settings="bool disableMotionBlur = 0", on_settings=FAILED),
+        stage(var='token dataType = "int"', on_var=FAILED),
+        stage(more=f'    def RenderPass "A" {FAILED}\n    {{\n    }}\n'),
+    ],
+    ids=["product", "camera", "camera of the product", "products", "var", "pass"],
+)
+def test_what_stands_behind_a_failed_arc_is_not_missing(main: str) -> None:
+    assert found(main) == ["composition-error"]
+
+
+# 2. A property of a prim of the right type is no camera, product or var: false green.
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        stage(settings="rel camera = </World/cam.focalLength>\n        rel products = </Render/P>"),
+        stage(settings="rel camera = </World/cam>\n        rel products = </Render/P.productName>"),
+        stage(
+            product='token productName = "/out/a.exr"\n        rel orderedVars = </Render/v.sourceName>'
+        ),
+    ],
+    ids=["camera", "products", "orderedVars"],
+)
+def test_a_property_is_the_wrong_type_of_target(main: str) -> None:
+    assert "wrong-target-type" in found(main)
+
+
+# 3. Products of a second instance are rendered, too: false green, and a false note.
+
+
+def instances(settings: str) -> str:
+    scopes = "".join(
+        f'    def Scope "{n}" (\n        instanceable = true\n        references = </_Set>\n    )\n    {{\n    }}\n'
+        for n in "AB"
+    )
+    return (
+        f'#usda 1.0\n{META}def Scope "Render"\n{{\n    def RenderSettings "S"\n    {{\n        {settings}\n    }}\n{scopes}}}\n'
+        f'class "_Set"\n{{\n    def RenderProduct "P"\n    {{\n        token productName = "/out/a.exr"\n        rel orderedVars = </_Set/v>\n    }}\n'
+        f'    def RenderVar "v"\n    {{\n        string sourceName = "Ci"\n    }}\n}}\n{WORLD}'
+    )
+
+
+@pytest.mark.parametrize(
+    ("settings", "rules"),
+    [
+        ("rel products = </Render/B/P>", ["missing-camera"]),
+        ("rel camera = </World/cam>; rel products = </Render/B/P>", []),
+        (
+            "rel camera = </World/cam>; rel products = [</Render/A/P>, </Render/B/P>]",
+            ["duplicate-product-name"],
+        ),
+    ],
+)
+def test_products_of_every_instance_are_outputs(settings: str, rules: list[str]) -> None:
+    assert found(instances(settings)) == rules
+
+
+# 4. A sublayer that fails in a *referenced* layer hides what is below the reference, no more, no less.
+
+
+def test_a_failed_sublayer_of_a_reference_does_not_hide_a_typo_elsewhere() -> None:
+    world = WORLD + 'def "Set" (\n    references = @./set.usda@</Set>\n)\n{\n}\n'
+    settings = "rel camera = [</World/cma>, </Set/cam>]\n        rel products = </Render/P>"
+    set_ = (
+        '(\n    subLayers = [@./no.usda@]\n)\ndef "Set"\n{\n    def Camera "cam"\n    {\n    }\n}\n'
+    )
+    assert "unresolved-target" in found(stage(settings, world=world), set=set_)
+
+
+def test_a_failed_sublayer_of_a_reference_hides_what_is_below_it() -> None:
+    world = (
+        WORLD
+        + 'def "Bad" (\n    references = @./no.usda@\n)\n{\n}\n'
+        + 'def "Set" (\n    references = @./set.usda@</Set>\n)\n{\n}\n'
+    )
+    settings = "rel camera = </Set/cam>\n        rel products = </Render/P>"
+    product = (
+        'rel camera = </Bad/cam>; token productName = "/out/a.exr"; rel orderedVars = </Render/v>'
+    )
+    set_ = '(\n    subLayers = [@./no2.usda@]\n)\ndef "Set"\n{\n}\n'
+    told = found(stage(settings, product, world=world), set=set_)
+    assert "unresolved-target" not in told
+
+
+# 5. Only arcs that are composed can fail.
+
+
+@pytest.mark.parametrize("strong", ["delete references = @./no.usda@", "references = @./no.usda@"])
+def test_an_arc_that_a_stronger_layer_takes_away_does_not_fail(strong: str) -> None:
+    weak = "prepend references = [@./no.usda@, @./no2.usda@]"
+    report, _ = lint_files(
+        {
+            "main.usda": f'#usda 1.0\n(\n    subLayers = [@./weak.usda@]\n)\nover "Render" (\n    {strong}\n)\n{{\n}}\n',
+            "weak.usda": f'#usda 1.0\ndef "Render" (\n    {weak}\n)\n{{\n}}\n',
+        }
+    )
+    assert len(report.findings) == 1
+
+
+# 6. A reference whose expression leads nowhere fails like any other.
+
+
+def test_an_asset_path_that_is_an_expression_may_fail_too() -> None:
+    world = 'def "World" (\n    references = @`"${NAME}.usda"`@\n)\n{\n}\n'
+    main = stage(world=world).replace(
+        META, META.replace(")\n", '    expressionVariables = { string NAME = "no" }\n)\n')
+    )
+    assert found(main) == ["composition-error"]
+
+
+def test_an_internal_reference_that_leads_nowhere_hides_what_it_was_to_bring() -> None:
+    world = 'def "World" (\n    references = </No>\n)\n{\n}\n'
+    assert found(stage(world=world)) == ["composition-error"]
+
+
+# 7. What is printed are words of the format, never of the parser.
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'def "A"\n{\n    rel camera = <.>\n}\n',
+        'def "A" (\n    references = @a\nb@\n)\n{\n}\n',
+        'def "A"\n{\n    rel camera.timeSamples = { 1: 2 }\n}\n',
+    ],
+)
+def test_no_name_of_the_parser_is_printed(tmp_path: Path, text: str) -> None:
+    (tmp_path / "main.usda").write_text(f"#usda 1.0\n{text}")
+    (finding,) = lint([str(tmp_path / "main.usda")], cwd=tmp_path).findings
+    assert "pxr" not in finding.message
+    assert "::" not in finding.message
+
+
+def test_an_ill_formed_expression_is_told_in_a_whole_sentence(tmp_path: Path) -> None:
+    (tmp_path / "main.usda").write_text(
+        '#usda 1.0\ndef "A"\n{\n    pathExpression e = "/World//{"\n}\n'
+    )
+    (finding,) = lint([str(tmp_path / "main.usda")], cwd=tmp_path).findings
+    assert not finding.message.endswith(":")
+
+
+# 8. One fault, one finding.
+
+
+@pytest.mark.parametrize(
+    ("main", "rule"),
+    [
+        (stage(product="token productName = None; rel orderedVars = </Render/v>"), "blocked-value"),
+        (stage(var="string sourceName = None"), "blocked-value"),
+        (stage(var='string sourceName = "Ci"; token dataType = None'), "blocked-value"),
+        (stage(var='string sourceName = "Ci"; token sourceType = None'), "blocked-value"),
+    ],
+    ids=["productName", "sourceName", "dataType", "sourceType"],
+)
+def test_a_block_is_told_once(main: str, rule: str) -> None:
+    assert len(found(main)) == 1
+
+
+@pytest.mark.parametrize(
+    "main",
+    [
+        stage(product='token productname = "/out/a.exr"; rel orderedVars = </Render/v>'),
+        stage(product='token productName = "/out/a.exr"; rel orderedvars = </Render/v>'),
+        stage(settings="rel cameras = </World/cam>; rel products = </Render/P>"),
+        stage(var='string sourcename = "Ci"'),
+        stage(
+            more='    def RenderPass "A"\n    {\n        rel renderSources = </Render/S>\n    }\n'
+        ),
+    ],
+    ids=["productname", "orderedvars", "cameras", "sourcename", "renderSources"],
+)
+def test_a_misspelt_property_explains_that_the_right_one_is_missing(main: str) -> None:
+    assert found(main) == ["misspelled-property"]
+
+
+def test_an_override_without_a_definition_is_told_once_as_a_default() -> None:
+    over = '    over "T"\n    {\n    }\n'
+    main = stage(more=over).replace('PrimPath = "/Render/S"', 'PrimPath = "/Render/T"')
+    told = found(main)
+    assert "default-settings-not-live" in told
+    assert "default-settings-wrong-type" not in told
+    assert "dangling-over" not in told
+
+
+def test_an_override_without_a_definition_is_told_once_as_a_target() -> None:
+    over = '    over RenderVar "w"\n    {\n    }\n'
+    product = 'token productName = "/out/a.exr"; rel orderedVars = [</Render/v>, </Render/w>]'
+    assert len(found(stage(product=product, more=over))) == 1
+
+
+def test_a_layer_of_overrides_may_repeat_the_default() -> None:
+    main = f'#usda 1.0\n{META}over "Render"\n{{\n    over "S"\n    {{\n        int2 resolution = (1, 1)\n    }}\n}}\n'
+    assert found(main) == []
+
+
+def test_an_excluded_collection_is_told_once() -> None:
+    render_pass = (
+        '    def RenderPass "A"\n    {\n        rel renderSource = </Render/S>\n'
+        "        rel collection:prune:includes = </World>\n"
+        "        rel collection:prune:excludes = </Render/A.collection:matte>\n    }\n"
+    )
+    assert found(stage(more=render_pass)) == ["invalid-collection"]
+
+
+def test_a_bad_expansion_rule_is_told_once() -> None:
+    render_pass = (
+        '    def RenderPass "A"\n    {\n        rel renderSource = </Render/S>\n'
+        '        rel collection:prune:includes = </World>\n        token collection:prune:expansionRule = "all"\n    }\n'
+    )
+    assert len(found(stage(more=render_pass))) == 1
+
+
+# 9. Places.
+
+
+def test_a_class_is_shown_where_it_is_one() -> None:
+    _, (mark,) = lint_files(
+        {
+            "main.usda": '#usda 1.0\n(\n    subLayers = [@./weak.usda@]\n)\nover "Render"\n{\n}\ndef "World"\n{\n}\n',
+            "weak.usda": '#usda 1.0\nclass Scope "Render"\n{\n    def RenderVar "v"\n    {\n    }\n}\n',
+        }
+    )
+    assert (mark.rule, mark.file) == ("render-scope-not-live", "weak.usda")
+
+
+def test_an_absolute_path_in_text_was_not_probably_written_relative() -> None:
+    render_pass = (
+        '    def RenderPass "A"\n    {\n        rel renderSource = </Render/A/Render/S>\n    }\n'
+    )
+    assert found(stage(more=render_pass)) == ["unresolved-target"]
+
+
+def test_a_failed_payload_is_not_called_a_reference() -> None:
+    """target-outside-reference says 'what </Render> references' and relates to its `references`."""
+    report, _ = lint_files(
+        {
+            "main.usda": f'#usda 1.0\n{META}def "Render" (\n    payload = @./show.usda@</Show>\n)\n{{\n}}\n{WORLD}',
+            "show.usda": '#usda 1.0\ndef "Show"\n{\n    def RenderSettings "S"\n    {\n        rel camera = </World/cam>\n    }\n}\n',
+        }
+    )
+    finding = next(f for f in report.findings if f.rule.id == "target-outside-reference")
+    (place,) = finding.related
+    assert place.location.span is not None
+    assert "payload" in (place.location.source or "")
