@@ -299,3 +299,45 @@ def test_a_failed_payload_is_not_called_a_reference() -> None:
     (place,) = finding.related
     assert place.location.span is not None
     assert "payload" in (place.location.source or "")
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("int2 resolutionScale = (2, 2)", ["unknown-property"]),
+        ("int2 proxyResolution = (2, 2)", ["unknown-property"]),
+        ('token[] excludedPurposes = ["guide"]', ["unknown-property"]),
+        ("bool enableMotionBlur = 1", ["unknown-property"]),
+        ("float pixelAspect = 1", ["misspelled-property"]),
+        ("int2 resoluton = (2, 2)", ["misspelled-property"]),
+    ],
+)
+def test_a_name_of_its_own_is_no_typo(written: str, told: list[str]) -> None:
+    settings = f"rel camera = </World/cam>\n        rel products = </Render/P>\n        {written}"
+    assert found(stage(settings)) == told
+
+
+@pytest.mark.parametrize(
+    ("type_name", "told"),
+    [
+        ("RenderVars", ["unknown-prim-type"]),
+        ("UsdRenderVar", ["unknown-prim-type"]),
+        ("renderVar", ["unknown-prim-type"]),
+        ("OmniRenderProduct", []),
+        ("HoudiniRenderSettings", []),
+        ("RenderLayer", []),
+    ],
+)
+def test_the_type_of_a_plugin_is_no_typo(type_name: str, told: list[str]) -> None:
+    assert found(stage(more=f'    def {type_name} "x"\n    {{\n    }}\n')) == told
+
+
+@pytest.mark.parametrize("name", ["productName", "sourceName"])
+def test_an_attribute_written_as_a_relationship_is_not_also_empty(name: str) -> None:
+    parts = {
+        "productName": {
+            "product": "rel productName = </World>\n        rel orderedVars = </Render/v>"
+        },
+        "sourceName": {"var": "rel sourceName = </World>"},
+    }[name]
+    assert found(stage(**parts)) == ["kind-mismatch"]

@@ -12,7 +12,7 @@ SIMILAR = 0.78
 
 _ENDING = 2
 """Letters that a plural or a slip adds at the end."""
-_OPPOSITES = (("enable", "disable"), ("in", "out"), ("on", "off"), ("min", "max"))
+_OPPOSITES = (("enable", "disable"), ("in", "out"), ("in", "ex"), ("on", "off"), ("min", "max"))
 
 
 def one_of(names: Iterable[str]) -> str:
@@ -47,10 +47,10 @@ def nearest(name: str, known: Iterable[str], least: float = SIMILAR) -> str | No
     return best if best is not None and likeness(name, best) >= least else None
 
 
-def _extends(one: str, other: str) -> bool:
-    """`resolutionScale` is a name of its own, not a misspelt `resolution`."""
-    short, long = sorted((one.lower(), other.lower()), key=len)
-    return len(long) - len(short) > _ENDING and long.startswith(short)
+def _extends(name: str, known: str) -> bool:
+    """`resolutionScale` and `proxyResolution` are names of their own, not a misspelt `resolution`."""
+    long, short = name.lower(), known.lower()
+    return len(long) - len(short) > _ENDING and (long.startswith(short) or long.endswith(short))
 
 
 def _are_opposites(one: str, other: str) -> bool:

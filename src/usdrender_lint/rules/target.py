@@ -198,6 +198,8 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
     severity=Severity.ERROR,
     since="0.1",
     supersedes=(
+        "empty-product-name",
+        "empty-source-name",
         "missing-camera",
         "missing-render-source",
         "product-without-vars",
