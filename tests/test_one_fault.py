@@ -341,3 +341,14 @@ def test_an_attribute_written_as_a_relationship_is_not_also_empty(name: str) -> 
         "sourceName": {"var": "rel sourceName = </World>"},
     }[name]
     assert found(stage(**parts)) == ["kind-mismatch"]
+
+
+def test_text_that_is_not_utf8_is_told_at_its_byte(tmp_path: Path) -> None:
+    file = tmp_path / "main.usda"
+    file.write_bytes(
+        b'#usda 1.0\ndef Scope "Render"\n{\n    string a = "caf\xe9"\n    nonsense\n}\n'
+    )
+    (finding,) = lint([str(file)], cwd=tmp_path).findings
+    assert finding.rule.id == "syntax-error"
+    assert finding.location.span is not None
+    assert finding.location.span.line == 4

@@ -188,6 +188,8 @@ def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
             return ParseProblem(file, told, line, column)
         if match := _EXPRESSION.search(text):
             return ParseProblem(file, f"ill-formed path expression: {match[3]}")
+    if problem := _not_utf8(file):
+        return problem
     if not _looks_binary(file):
         return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
     detail = "truncated or damaged"
@@ -205,6 +207,20 @@ def _sentence(expected: str, near: str) -> str:
     # USD quotes the rest of the line; the first word of it is what it stumbled over.
     word = next(iter(near.split()), "")
     return f"{expected}, found '{word[:40]}'" if word else expected
+
+
+def _not_utf8(file: str) -> ParseProblem | None:
+    """Where usda text holds a byte that is no UTF-8: USD's own sentence about it cannot be read."""
+    data = Path(file).read_bytes()
+    if not _HEADER.match(data):
+        return None
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = error.start - data.rfind(b"\n", 0, error.start)
+        return ParseProblem(file, "the text is not UTF-8 from here on", line, column)
+    return None
 
 
 def _looks_binary(file: str) -> bool:
