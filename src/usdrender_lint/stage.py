@@ -173,6 +173,23 @@ def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
     return layer
 
 
+def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
+    """A layer inside a package, or why there is none. `name` is `package.usdz[member]`.
+
+    Its text is not at hand, so a line is told in words.
+    """
+    try:
+        if layer := Sdf.Layer.FindOrOpen(name):
+            return layer
+    except Tf.ErrorException as error:
+        for text in sentences(error.args):
+            if match := _AT.search(text):
+                near = _NEAR.fullmatch(match[3].strip())
+                told = _sentence(near[1], near[2]) if near else _sentence(match[3], "")
+                return ParseProblem(name, f"{told}, in line {match[1]} of the member")
+    return Unreadable(name, "unreadable-file", "USD cannot open this member of the package")
+
+
 _AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
 _NEAR = re.compile(r"(.*?) at '(.*)' in <(.*)>", re.S)
 _EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+): (.*)", re.S)

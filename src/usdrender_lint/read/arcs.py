@@ -7,8 +7,9 @@ from dataclasses import dataclass
 
 from pxr import Pcp, Sdf, Usd
 
+from ..discover import USD_SUFFIXES
 from ..model import ArcError, Site
-from ..stage import Opened, ParseProblem, Unreadable, open_layer
+from ..stage import Opened, ParseProblem, Unreadable, open_layer, open_member
 
 _ARC_FIELDS = (("reference", "referenceList", "references"), ("payload", "payloadList", "payload"))
 
@@ -182,21 +183,22 @@ class Failures:
         resolved = self._opened.stage.ResolveIdentifierToEditTarget(identifier)
         if not resolved:
             return "missing-asset", None
+        member = resolved.endswith("]")
+        if not member and not resolved.lower().endswith(USD_SUFFIXES):
+            # A plug-in's format, such as Alembic: what it holds is not known without the plug-in.
+            return "foreign-format", None
         found: Sdf.Layer | None = None
-        if "[" in resolved:  # a member of a package
-            found = Sdf.Layer.Find(resolved)
-        else:
-            match open_layer(resolved):
-                case Unreadable() as unreadable:
-                    self._opened.unreadable.append(
-                        Unreadable(
-                            unreadable.file, unreadable.kind, unreadable.message, layer.identifier
-                        )
+        match open_member(resolved) if member else open_layer(resolved):
+            case Unreadable() as unreadable:
+                self._opened.unreadable.append(
+                    Unreadable(
+                        unreadable.file, unreadable.kind, unreadable.message, layer.identifier
                     )
-                case ParseProblem() as problem:
-                    self._opened.unparsed.append(problem)
-                case opened:
-                    found = opened
+                )
+            case ParseProblem() as problem:
+                self._opened.unparsed.append(problem)
+            case opened:
+                found = opened
         self._opened_files[identifier] = found
         return "" if found else "unopened-asset", found
 

@@ -255,7 +255,7 @@ def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]
 
 
 def _how_bad(error: ArcError) -> Severity | None:
-    if error.asset.startswith(_NETWORK):
+    if error.asset.startswith(_NETWORK) or error.kind == "foreign-format":
         return Severity.NOTE  # a resolver of the studio or the host application may fetch it
     return None if error.touches_spec else Severity.WARNING
 
@@ -263,6 +263,8 @@ def _how_bad(error: ArcError) -> Severity | None:
 def _what_failed(error: ArcError) -> str:
     into = f" on <{error.prims[0]}>" if error.prims and error.prims[0] != "/" else ""
     match error.kind:
+        case "foreign-format":
+            return f"the {error.arc} @{error.asset}@{into} needs a plug-in of USD: it was not looked at"
         case "missing-asset" if error.asset.startswith(_NETWORK):
             return f"the {error.arc} @{error.asset}@{into} is on the network: it was not looked at"
         case "missing-asset":
@@ -286,6 +288,8 @@ def _what_failed(error: ArcError) -> str:
 
 def _what_to_do(error: ArcError) -> str:
     match error.kind:
+        case "foreign-format":
+            return "what it holds is unknown here, not missing"
         case "missing-asset" if error.asset.startswith(_NETWORK):
             return "what it holds is unknown here, not missing"
         case "missing-asset":
