@@ -20,7 +20,7 @@ SOURCE = ROOT / "src" / PACKAGE
 
 OUTSIDE = {
     "pxr": ("stage", "sites", "locate", "ignores", "lint_file", "read", "read.*"),
-    "click": ("cli",),
+    "click": ("cli", "options"),
     "rich": ("report.explain",),
     "markdown_it": ("report.explain",),
 }
@@ -29,6 +29,8 @@ OUTSIDE = {
 LAYERS = (
     ("__main__",),
     ("cli",),
+    ("options",),
+    ("formats", "console"),
     ("testing",),
     ("lint", "lint_file", "ignores", "variants", "workers", "fix"),
     ("report", "report.*", "output"),

@@ -24,7 +24,8 @@ import pytest
 from conftest import ROOT
 from usdrender_lint import __version__, cli
 from usdrender_lint.__main__ import main
-from usdrender_lint.cli import FORMATS, command
+from usdrender_lint.cli import command
+from usdrender_lint.formats import FORMATS
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.registry import Selection, all_rules, select
 from usdrender_lint.report import page_url

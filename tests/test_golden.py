@@ -11,7 +11,7 @@ import pytest
 from conftest import ROOT
 from usdrender_lint import cli, lint
 from usdrender_lint.__main__ import main
-from usdrender_lint.cli import FORMATS
+from usdrender_lint.formats import FORMATS
 
 GOLDEN = ROOT / "tests" / "golden"
 

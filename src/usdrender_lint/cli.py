@@ -2,35 +2,29 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 import sys
 from collections.abc import Callable, Sequence
-from contextlib import suppress
-from dataclasses import dataclass
 from io import StringIO
 from pathlib import Path
 from traceback import format_exc
-from typing import Any, TextIO
+from typing import Any
 
 import click
 
-from . import __version__
+from . import __version__, options
 from .baseline import Baseline, BaselineError, load
-from .discover import USD_SUFFIXES
+from .console import forget, printable, say, tell, terminal_width, use_color
+from .formats import FORMATS, Style, render
 from .lint import Config, lint
 from .output import OutputError, write_file, write_out
-from .pages import page_text, pages
-from .registry import UnknownRuleError, all_rules, matching, select
+from .pages import page_text
+from .registry import UnknownRuleError, all_rules, select
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
 
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
 INTERRUPTED, PIPE_CLOSED = 130, 141
-
-FORMATS = ("full", "concise", "json", "sarif", "github", "gitlab", "junit")
-_BY_SUFFIX = {".sarif": "sarif", ".json": "json", ".xml": "junit"}
 
 _EPILOG = """\b
 Exit codes:
@@ -59,104 +53,22 @@ def run(argv: Sequence[str]) -> int:
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        _forget(sys.stdout)
+        forget(sys.stdout)
         return PIPE_CLOSED
     except (OutputError, OSError) as error:
-        _forget(sys.stdout)
+        forget(sys.stdout)
         return _failed(f"Error: {_reason(error)}\n")
     except Exception:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
         return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
 
 
 def _failed(told: str) -> int:
-    _say(told)
+    say(told)
     return INCOMPLETE
-
-
-def _say(text: str) -> None:
-    """On standard error, as far as that can be written: the exit code says it, too."""
-    if sys.stderr is not None:
-        try:
-            sys.stderr.write(text)
-            sys.stderr.flush()
-        except OSError:
-            _forget(sys.stderr)
-
-
-def _forget(stream: TextIO) -> None:
-    """Python flushes its streams once more at exit, and would print a traceback of its own."""
-    with suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _reason(error: Exception) -> str:
     return error.strerror.lower() if isinstance(error, OSError) and error.strerror else str(error)
-
-
-def _split(values: Sequence[str]) -> list[str]:
-    return [part.strip() for value in values for part in value.split(",") if part.strip()]
-
-
-def _selectors(ctx: click.Context, param: click.Parameter, values: tuple[str, ...]) -> list[str]:
-    found = _split(values)
-    if values and not found:
-        raise click.BadParameter("no rule is named", ctx, param)
-    for selector in found:
-        try:
-            matching(selector)
-        except UnknownRuleError as error:
-            raise click.BadParameter(str(error), ctx, param) from None
-    return found
-
-
-def _severities(
-    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> dict[str, Severity]:
-    chosen: dict[str, Severity] = {}
-    given = _split(values)
-    if values and not given:
-        raise click.BadParameter("no rule is named", ctx, param)
-    for value in given:
-        name, equals, level = value.partition("=")
-        if not equals:
-            raise click.BadParameter(f"{value!r} is not RULE=LEVEL", ctx, param)
-        if level not in list(Severity):
-            raise click.BadParameter(f"{level!r} is not error, warning or note", ctx, param)
-        try:
-            chosen.update(dict.fromkeys(matching(name), Severity(level)))
-        except UnknownRuleError as error:
-            raise click.BadParameter(str(error), ctx, param) from None
-    return chosen
-
-
-def _outputs(
-    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> list[tuple[str | None, Path]]:
-    found: list[tuple[str | None, Path]] = []
-    for value in values:
-        prefix, colon, rest = value.partition(":")
-        # One letter is a drive of Windows.
-        prefixed = colon and len(prefix) > 1 and prefix.isalpha()
-        if prefixed and prefix not in FORMATS:
-            known = ", ".join(FORMATS[:-1]) + f" or {FORMATS[-1]}"
-            raise click.BadParameter(f"{prefix!r} is not {known}", ctx, param)
-        file = Path(rest if prefixed else value)
-        if not str(rest if prefixed else value).strip() or file.is_dir():
-            raise click.BadParameter(f"{value!r} names no file", ctx, param)
-        if file.suffix.lower() in USD_SUFFIXES:
-            raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
-        found.append((prefix if prefixed else _BY_SUFFIX.get(file.suffix.lower()), file))
-    return found
-
-
-def _baseline_file(ctx: click.Context, param: click.Parameter, value: str | None) -> Path | None:
-    if value is None:
-        return None
-    if not value.strip() or Path(value).is_dir():
-        raise click.BadParameter(f"{value!r} names no file", ctx, param)
-    if Path(value).suffix.lower() in USD_SUFFIXES:
-        raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
-    return Path(value)
 
 
 def _eager(answer: Callable[[click.Context, Any], str]) -> Callable[..., None]:
@@ -181,7 +93,9 @@ def _explain(ctx: click.Context, rule_id: str) -> str:
 
     if ctx.params.get("output_format") == "json":
         return catalogue.explained(all_rules()[rule_id], page_text(rule_id), __version__)
-    return explain.render(page_text(rule_id), color=_color(ctx.params.get("color")), width=_width())
+    return explain.render(
+        page_text(rule_id), color=use_color(ctx.params.get("color")), width=terminal_width()
+    )
 
 
 def _list_rules(ctx: click.Context, _: bool) -> str:
@@ -203,17 +117,21 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "select_",
     multiple=True,
     metavar="RULES",
-    callback=_selectors,
+    callback=options.selectors,
     help="Rules to run: ids, groups such as 'camera', 'default' or 'ALL', separated by commas.",
 )
 @click.option(
-    "--ignore", multiple=True, metavar="RULES", callback=_selectors, help="Rules not to report."
+    "--ignore",
+    multiple=True,
+    metavar="RULES",
+    callback=options.selectors,
+    help="Rules not to report.",
 )
 @click.option(
     "--severity",
     multiple=True,
     metavar="RULE=LEVEL",
-    callback=_severities,
+    callback=options.severities,
     help="Report a rule or group as error, warning or note.",
 )
 @click.option(
@@ -248,7 +166,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
 @click.option(
     "--baseline",
     metavar="FILE",
-    callback=_baseline_file,
+    callback=options.baseline_file,
     help="Hide the findings that this file holds.",
 )
 @click.option(
@@ -274,7 +192,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "--output-file",
     multiple=True,
     metavar="[FORMAT:]FILE",
-    callback=_outputs,
+    callback=options.outputs,
     help="Write a report to a file, too; its format by the prefix, else by '.sarif', '.json' "
     "or '.xml' (junit), else as on standard output. May be given several times.",
 )
@@ -353,18 +271,16 @@ def command(
             known, written = _update(baseline, known, report, quiet)
         elif (gone := known.stale(report)) and not quiet:
             which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
-            _tell(f"Note: {baseline} holds {which} gone: see --update-baseline")
+            tell(f"Note: {baseline} holds {which} gone: see --update-baseline")
         report = known.hide(report)
-    style = _Style(fail_on, statistics, quiet, verbose)
+    style = Style(fail_on, statistics, quiet, verbose)
     for chosen, file in output_file:
         try:
-            write_file(file, _render(report, chosen or output_format, None, style))
+            write_file(file, render(report, chosen or output_format, None, style))
         except OutputError as error:
             written = False
-            from .report.full import escaped
-
-            _say(f"Error: {escaped(str(error))}\n")
-    write_out(_render(report, output_format, color, style))
+            tell(f"Error: {error}")
+    write_out(render(report, output_format, color, style))
     return exit_code(report, fail_on, exit_zero) if written else INCOMPLETE
 
 
@@ -372,34 +288,24 @@ def _known(file: Path, *, may_be_missing: bool) -> Baseline:
     try:
         return Baseline({}) if may_be_missing and not file.exists() else load(file)
     except BaselineError as error:
-        raise click.ClickException(_escaped(str(error))) from None
+        raise click.ClickException(printable(str(error))) from None
 
 
 def _update(file: Path, known: Baseline, report: Report, quiet: bool) -> tuple[Baseline, bool]:
     """The new baseline, if it could be written. What was not looked at is neither new nor gone."""
     if not report.complete:
-        _tell(f"Error: {file} is not updated: the run is incomplete")
+        tell(f"Error: {file} is not updated: the run is incomplete")
         return known, False
     new = known.updated(report)
     try:
         write_file(file, new.text())
     except OutputError as error:
-        _tell(f"Error: {error}")
+        tell(f"Error: {error}")
         return known, False
     if not quiet:
         changes = f"{new.beyond(known)} added, {known.beyond(new)} taken out"
-        _tell(f"Note: {file} is written: {changes}, {new.count} in all")
+        tell(f"Note: {file} is written: {changes}, {new.count} in all")
     return new, True
-
-
-def _tell(sentence: str) -> None:
-    _say(f"{_escaped(sentence)}\n")
-
-
-def _escaped(text: str) -> str:
-    from .report.full import escaped
-
-    return escaped(text)
 
 
 def exit_code(report: Report, fail_on: str, exit_zero: bool) -> int:
@@ -412,85 +318,8 @@ def exit_code(report: Report, fail_on: str, exit_zero: bool) -> int:
     return FINDINGS if any(f.severity.rank <= worst for f in report.findings) else CLEAN
 
 
-@dataclass(frozen=True, slots=True)
-class _Style:
-    """What a person asked for about the reports, beside their format."""
-
-    fail_on: str
-    statistics: bool
-    quiet: bool
-    verbose: bool
-
-
-def _render(report: Report, chosen: str, color: str | None, style: _Style) -> str:
-    """`color` None: for a file."""
-    quiet, verbose = style.quiet, style.verbose
-    match chosen:
-        case "json":
-            from .report import json
-
-            return json.render(report)
-        case "sarif":
-            from .report import sarif
-
-            return sarif.render(report, pages())
-        case "github":
-            from .report import github
-
-            return github.render(report, quiet=quiet)
-        case "gitlab":
-            from .report import gitlab
-
-            return gitlab.render(report)
-        case "junit":
-            from .report import junit
-
-            fails = None if style.fail_on == "never" else Severity(style.fail_on)
-            return junit.render(report, fails)
-        case _ if style.statistics:
-            from .report import statistics
-
-            return statistics.render(report, color=_color(color), verbose=verbose, quiet=quiet)
-        case "concise":
-            from .report import concise
-
-            return concise.render(
-                report, color=_color(color), verbose=verbose, quiet=quiet, base=Path.cwd()
-            )
-        case _:
-            from .report import full
-
-            terminal = color is not None and sys.stdout.isatty()
-            return full.render(
-                report,
-                color=_color(color),
-                width=_width() if terminal else None,
-                verbose=verbose,
-                quiet=quiet,
-                base=Path.cwd(),
-                links=terminal and _color(color) and os.environ.get("TERM") != "dumb",
-            )
-
-
 def _complain(report: Report, color: str) -> None:
     if report.problems:
         from .report import full
 
-        _say(full.problems(report, _color(color, sys.stderr)))
-
-
-def _color(asked: str | None, stream: TextIO | None = None) -> bool:
-    """--color over NO_COLOR over FORCE_COLOR over a terminal that can."""
-    if asked is None:
-        return False
-    if asked != "auto":
-        return asked == "always"
-    if os.environ.get("NO_COLOR"):
-        return False
-    if os.environ.get("FORCE_COLOR"):
-        return True
-    return (stream or sys.stdout).isatty() and os.environ.get("TERM") != "dumb"
-
-
-def _width() -> int:
-    return shutil.get_terminal_size().columns
+        say(full.problems(report, use_color(color, sys.stderr)))
