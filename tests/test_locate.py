@@ -168,7 +168,7 @@ class TestLayers:
     def test_without_the_field_the_strongest_of_the_object(self, shot: Shot) -> None:
         shot.write(main=over("int2 resolution", "@a.usda@"), a=render("int2 resolution"))
         assert shot.at("/Render/S.resolution", "default") == ("main.usda", "int2 {resolution}")
-        assert shot.at("/Render/S.camera") == ("main.usda", 'over {"S"}')
+        assert shot.at("/Render/S.camera") == ("a.usda", 'def RenderSettings {"S"}')
 
     def test_a_sublayer_alone(self, shot: Shot) -> None:
         shot.write(main="(\n    subLayers = [@sub/a.usda@]\n)\n")

@@ -9,7 +9,7 @@ import pytest
 from usdrender_lint.model import Layer, Site
 from usdrender_lint.rule import AnyRule, Context, Finding, Severity, rule
 from usdrender_lint.run import Told
-from usdrender_lint.settle import settle
+from usdrender_lint.settle import settle, unique
 
 
 def a_rule(id: str, *supersedes: str) -> AnyRule:
@@ -28,7 +28,7 @@ def told(rule: AnyRule, at: Site, message: str = "x") -> Told:
 
 
 def left(*given: Told) -> list[str]:
-    return [t.rule.id for t in settle(given)]
+    return [t.rule.id for t in settle(unique(given))]
 
 
 @pytest.mark.parametrize(
@@ -92,6 +92,15 @@ def test_a_finding_that_is_told_twice_is_one() -> None:
     assert left(*twice) == ["effect"]
 
 
+def test_what_is_related_to_either_is_related_to_the_one() -> None:
+    a, b = (Site("/A"), "is one"), (Site("/B"), "is another")
+    twice = [
+        Told(EFFECT, Finding(Site("/R.a"), "x", related=related)) for related in ((a,), (b, a))
+    ]
+    (one,) = unique(twice)
+    assert one.finding.related == (a, b)
+
+
 @pytest.mark.parametrize(
     "other",
     [
@@ -103,7 +112,7 @@ def test_a_finding_that_is_told_twice_is_one() -> None:
     ],
 )
 def test_what_differs_in_rule_place_or_message_is_two(other: Told) -> None:
-    assert len(settle([told(EFFECT, Site("/R.a")), other])) == 2
+    assert len(unique([told(EFFECT, Site("/R.a")), other])) == 2
 
 
 def test_order_is_kept() -> None:

@@ -23,7 +23,7 @@ from .renderers import ANY, choose, renderer
 from .results import Located, Problem, RendererChoice
 from .rule import AnyRule, Context, Renderer
 from .run import Crash, Subject, run, subjects_of
-from .settle import settle
+from .settle import settle, unique
 from .stage import (
     Diagnostics,
     Opened,
@@ -193,6 +193,7 @@ class _File:
         selection = self._config.selection
         rules = [r for r in selection.run if not r.renderers or chosen.name in r.renderers]
         told, crashes = run(rules, subjects, Context(chosen))
+        told = unique(told)
         settled = settle(told)
         kept = {id(one) for one in settled}
         found = []

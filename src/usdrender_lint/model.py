@@ -132,6 +132,8 @@ class Target:
     is_property: bool = False
     via: tuple[str, ...] = ()
     """Relationships that forwarded to it."""
+    end: Site | None = None
+    """Of a forwarded target the entry that ended the chain: where the path itself is written."""
     as_written: str | None = None
     """Text of the layer, for a relative path that leads nowhere."""
     probably_relative: bool = False
@@ -143,6 +145,11 @@ class Target:
     """Why it is not live: the asset that did not open, the inactive ancestor."""
     candidates: tuple[Candidate, ...] = ()
     """Prims of the right type that may have been meant, best first; only for broken targets."""
+
+    @property
+    def written(self) -> Site:
+        """The entry that says this very path, in whatever relationship."""
+        return self.end or self.site
 
     @property
     def live(self) -> bool:
@@ -191,6 +198,9 @@ class Rel:
     written_as_attribute: bool = False
     maybe_more: bool = False
     """An arc on the prim, or a sublayer, did not open: it may bring targets."""
+    dead_ends: tuple[Site, ...] = ()
+    """Relationships that it forwards to and that name nothing, or lead back; only where there is no
+    target."""
 
     @property
     def named(self) -> bool:

@@ -3,20 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 from .model import Site
 from .run import Told
 
 
 def settle(told: Iterable[Told]) -> list[Told]:
-    """Without the findings that another one supersedes, and each finding once.
+    """Without the findings that another one supersedes.
 
     A rule names the rules it supersedes; whether a finding is superseded is decided by place: it
     stands at, below, or leads to the object of the finding that names the cause.
     """
-    unique = list({(t.rule.id, t.finding.at.site, t.finding.message): t for t in told}.values())
-    stronger = [t for t in unique if t.rule.supersedes]
-    return [t for t in unique if not any(_explains(s, t) for s in stronger)]
+    everything = list(told)
+    stronger = [t for t in everything if t.rule.supersedes]
+    return [t for t in everything if not any(_explains(s, t) for s in stronger)]
+
+
+def unique(told: Iterable[Told]) -> list[Told]:
+    """What several subjects say alike is said once, with all that is related to it."""
+    found: dict[tuple[object, ...], Told] = {}
+    for one in told:
+        key = one.rule.id, one.finding.at.site, one.finding.message
+        if known := found.get(key):
+            related = dict.fromkeys((*known.finding.related, *one.finding.related))
+            one = replace(known, finding=replace(known.finding, related=tuple(related)))
+        found[key] = one
+    return list(found.values())
 
 
 def _explains(cause: Told, other: Told) -> bool:

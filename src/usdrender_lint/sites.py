@@ -21,8 +21,8 @@ class Spot:
 
 
 def find(stage: Usd.Stage, site: Site) -> Spot:
-    """The strongest spec that has the field; without one the strongest spec of the object; without
-    any that of its parent, and so upward to the root layer."""
+    """The strongest spec that has the field; without one the strongest spec of a property, the one
+    that defines a prim; without any that of its parent, and so upward to the root layer."""
     if site.layer is not None:
         layer = Sdf.Layer.Find(site.layer) or stage.GetRootLayer()
         return Spot(layer, site.spec or site.path, site.field, site.target)
@@ -61,7 +61,8 @@ def _prim_spot(stage: Usd.Stage, site: Site) -> Spot:
         for spec in specs:
             if field is not None and _has(spec, field):
                 return Spot(spec.layer, str(spec.path), field, site.target)
-        return Spot(specs[0].layer, str(specs[0].path))
+        spec = _defining(specs)
+        return Spot(spec.layer, str(spec.path))
     for layer in stage.GetLayerStack(includeSessionLayers=False):
         # Below an inactive prim nothing is composed, though the specs are there.
         if spec := layer.GetPrimAtPath(path):
@@ -70,6 +71,16 @@ def _prim_spot(stage: Usd.Stage, site: Site) -> Spot:
     if parent in (Sdf.Path.absoluteRootPath, Sdf.Path.emptyPath):
         return Spot(stage.GetRootLayer(), "/")
     return _prim_spot(stage, Site(str(parent)))
+
+
+def _defining(specs: list[Sdf.PrimSpec]) -> Sdf.PrimSpec:
+    """The strongest that defines the prim: who looks for what a prim lacks opens the layer that makes
+    it, not one that happens to override something else of it."""
+    for specifier in (Sdf.SpecifierDef, Sdf.SpecifierClass):
+        for spec in specs:
+            if spec.specifier == specifier:
+                return spec
+    return specs[0]
 
 
 def _has(spec: Sdf.PrimSpec, field: str) -> bool:

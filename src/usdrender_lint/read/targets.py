@@ -111,7 +111,20 @@ class Targets:
             tuple(self._lost(prim, relationship)),
             tuple(_clobbered(prim, relationship, raw)),
             maybe_more=hidden,
+            dead_ends=() if targets else tuple(self._dead_ends(raw)),
         )
+
+    def _dead_ends(self, raw: list[Sdf.Path]) -> Iterator[Site]:
+        """Where chains of relationships end that lead to nothing."""
+        pending, seen = [path for path in raw if path.IsPropertyPath()], set[Sdf.Path]()
+        while pending:
+            path = pending.pop(0)
+            seen.add(path)
+            relationship = self._stage.GetRelationshipAtPath(path)
+            further = relationship.GetTargets() if relationship else []
+            if not any(target not in seen for target in further):
+                yield Site(str(path), "targetPaths", str(further[0]) if further else None)
+            pending += [target for target in further if target not in seen]
 
     def hiding(self, path: str) -> str | None:
         """The asset that did not open, behind which more of a prim may be."""
@@ -157,6 +170,7 @@ class Targets:
             found.type_known,
             path.IsPropertyPath(),
             via,
+            Site(via[-1], "targetPaths", str(path)) if via else None,
             written if written is not None and not written.startswith("/") else None,
             relative,
             meant,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from typing import Any, TypeVar
 
@@ -66,9 +67,16 @@ def read_attr(
     samples = _samples(attribute, plain) if with_samples and varying else ()
 
     unread = ""
+    strongest = next((spec for spec in stack if spec.HasInfo("default")), None)
 
     def attr(value: T, state: ValueState, at: Site = site) -> Attr[T]:
         return Attr(name, value, state, at, samples, authored_type, varying, unread)
+
+    def at(spec: Sdf.AttributeSpec) -> Site:
+        # Only what is passed over makes another opinion than the strongest count.
+        if spec == strongest:
+            return site
+        return replace(site, layer=spec.layer.identifier, spec=str(spec.path))
 
     state = ValueState.AUTHORED
     for spec in stack:
@@ -76,13 +84,13 @@ def read_attr(
         if not spec.HasInfo("default") or isinstance(spec.default, Sdf.AnimationBlock):
             continue
         if isinstance(spec.default, Sdf.ValueBlock):
-            return attr(empty, ValueState.BLOCKED)
+            return attr(empty, ValueState.BLOCKED, at(spec))
         if schema is not None and not same_storage(spec.typeName, schema.typeName):
             # Passed over, not refused: a weaker opinion of the right type is read (26.11).
             state = ValueState.MISTYPED
             unread = unread or _as_text(spec.default, bool(spec.typeName.isArray))
             continue
-        return attr(plain(spec.default), state)
+        return attr(plain(spec.default), state, at(spec))
     if state is ValueState.MISTYPED:
         return attr(fallback, state)
     if varying is not None:

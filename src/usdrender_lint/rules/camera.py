@@ -18,6 +18,7 @@ from ..model import (
     View,
 )
 from ..rule import Context, Finding, Severity, rule
+from ._chains import dead_ends, start_of
 from ._words import paths
 
 GROUP = "camera"
@@ -56,6 +57,7 @@ def _without_camera(settings: Settings, scope: RenderScope) -> Iterator[Finding]
             f"<{settings.path}> names no camera, nor does any of its products: {dropped} will not be rendered",
             label="no camera",
             help=_choose(scope),
+            related=dead_ends(settings.camera),
         )
     else:
         for output in blind:
@@ -68,6 +70,7 @@ def _blind_product(output: Output, scope: RenderScope) -> Finding:
         f"neither <{output.product.path}> nor its settings <{output.settings}> name a camera: it will not be rendered",
         label="no camera",
         help=_choose(scope),
+        related=dead_ends(output.product.camera),
     )
 
 
@@ -90,10 +93,11 @@ def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     targets = prim.camera.targets
     if len(targets) > 1:
         yield Finding(
-            targets[1],
+            targets[1].written,
             f"<{prim.path}> names {len(targets)} cameras: only the first, <{targets[0].path}>, is used",
             label="not used",
             help="leave one; list edits of other layers decide which is the first",
+            related=start_of(targets[1]),
         )
 
 

@@ -6,9 +6,11 @@ import posixpath
 import re
 from collections import deque
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 
-from ..model import HasSite, Output, Pass, RenderScope, Settings, Site
+from ..model import HasSite, Output, Pass, RenderScope, Settings, Site, Target
 from ..rule import Context, Finding, Severity, rule
+from ._chains import dead_ends, start_of
 from ._names import is_file
 from ._words import paths
 
@@ -37,6 +39,7 @@ def missing_render_source(render_pass: Pass, context: Context) -> Iterator[Findi
         f"<{render_pass.path}> has no renderSource: {said}",
         label="no render source",
         help="point it at settings: rel renderSource = </Render/Primary>",
+        related=dead_ends(render_pass.render_source),
         severity=severity,
     )
 
@@ -54,19 +57,31 @@ def input_pass_cycle(scope: RenderScope, context: Context) -> Iterator[Finding]:
         if path in told or not (cycle := _way_back(path, inputs)):
             continue
         told.update(cycle)
-        entry = next(t for t in passes[path].input_passes.targets if t.path == cycle[1])
+        edges = [(one, _entry(passes[one], other)) for one, other in pairwise(cycle)]
         said = (
             f"<{path}> waits for itself"
             if len(cycle) == 2
             else "passes wait for each other: " + " -> ".join(f"<{p}>" for p in cycle)
         )
+        closing = edges.pop()[1]
         yield Finding(
-            entry,
+            closing.written,
             f"{said}: no order of execution exists",
             label="closes the cycle",
-            help="remove one of the inputPasses",
-            related=tuple((passes[p].site, "is in the cycle, too") for p in cycle[1:-1]),
+            help="remove one of these inputPasses" if edges else "remove it",
+            related=(
+                *start_of(closing),
+                *(
+                    (entry.written, f"makes <{one}> wait for <{entry.path}>")
+                    for one, entry in edges
+                ),
+            ),
+            explains=tuple(entry for _, entry in (*edges, (path, closing))),
         )
+
+
+def _entry(waiting: Pass, path: str) -> Target:
+    return next(t for t in waiting.input_passes.targets if t.path == path)
 
 
 def _way_back(start: str, inputs: Mapping[str, list[str]]) -> list[str]:
@@ -192,10 +207,11 @@ def multiple_render_sources(render_pass: Pass, context: Context) -> Iterator[Fin
     targets = render_pass.render_source.targets
     if len(targets) > 1:
         yield Finding(
-            targets[1],
+            targets[1].written,
             f"<{render_pass.path}> names {len(targets)} render sources: only the first, <{targets[0].path}>, is rendered",
             label="not rendered",
             help="leave one, and make a pass for each of the others",
+            related=start_of(targets[1]),
         )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ..model import Product, Settings, Site, ValueState, Var
 from ..rule import Context, Finding, Severity, rule
+from ._chains import dead_ends
 from ._names import DRIVER_ATTRIBUTES, extension_of
 from ._words import nearest, one_of, paths
 
@@ -26,6 +27,7 @@ def product_without_vars(product: Product, context: Context) -> Iterator[Finding
         f"<{product.path}> {said}: renderers write nothing for it",
         label="no channels",
         help="list at least one RenderVar: rel orderedVars = </Render/Vars/color>",
+        related=dead_ends(product.ordered_vars),
     )
 
 

@@ -15,6 +15,7 @@ from ..model import (
     ValueState,
 )
 from ..rule import Context, Finding, Severity, rule
+from ._chains import dead_ends
 from ._rendered import named_settings, outputs_of
 from ._words import paths, spelt
 
@@ -117,6 +118,7 @@ def settings_without_products(scope: RenderScope, context: Context) -> Iterator[
             label="no products",
             help="list the files to write: rel products = </Render/Products/beauty>",
             severity=Severity.WARNING if users else None,
+            related=dead_ends(settings.products),
         )
 
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 
 from ..model import ArcError, Layer, RenderScope, Settings, Site, State, Target
 from ..rule import Context, Finding, Severity, rule
+from ._chains import why_not_live
 from ._words import a_or_an, did_you_mean, paths
 
 GROUP = "stage"
@@ -134,7 +135,7 @@ def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[
         target,
         f"the default render settings <{target.path}> {why}: no renderer meets them",
         label="not live",
-        related=((Site(target.path), "is the prim"),),
+        related=(why_not_live(target),),
         explains=(Site(target.path),),
     )
 

@@ -7,6 +7,7 @@ from fnmatch import fnmatchcase
 
 from ..model import Pass, Property, Rel, RenderPrim, Site, State, Target
 from ..rule import Context, Finding, Renderer, Severity, rule
+from ._chains import start_of, why_not_live
 from ._words import a_or_an, did_you_mean
 
 GROUP = "property"
@@ -83,21 +84,16 @@ def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if target.state is not State.MISSING or _is_host_prim(target, context.renderer):
             continue
         what, kind, plural = _WANTED[rel.name]
-        if target.is_property and rel.name == "renderSource":
-            said = f"{what} <{target.path}> does not exist: no such property"
-        else:
-            said = f"{what} <{target.path}> does not exist"
         yield Finding(
-            target,
-            f"{said}{_by_way_of(target)}",
-            label="no prim here",
+            target.written,
+            f"{what} <{target.path}> does not exist",
+            label="no such property" if target.is_property else "no prim here",
             help=did_you_mean(target, kind, plural),
-            related=tuple((c.site, f"is {a_or_an(c.type_name)}") for c in target.candidates[:1]),
+            related=(
+                *start_of(target),
+                *((c.site, f"is {a_or_an(c.type_name)}") for c in target.candidates[:1]),
+            ),
         )
-
-
-def _by_way_of(target: Target) -> str:
-    return f" (by way of <{target.via[-1]}>)" if target.via else ""
 
 
 @rule("wrong-target-type", on=RenderPrim, severity=Severity.ERROR, since="0.1")
@@ -114,11 +110,11 @@ def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         else:
             found = a_or_an(target.type_name) if target.type_name else "a prim without a type"
         yield Finding(
-            target,
-            f"{what} <{target.path}> is {found}, not {a_or_an(kind)}{_by_way_of(target)}",
+            target.written,
+            f"{what} <{target.path}> is {found}, not {a_or_an(kind)}",
             label=found,
             help=did_you_mean(target, kind, plural),
-            related=((Site(target.path), "is the prim"),),
+            related=(*start_of(target), (Site(target.path), f"is {found}")),
         )
 
 
@@ -159,11 +155,11 @@ def dead_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             said = f"is inactive, as <{target.because}> is"
         others = any(t.live for t in rel.targets) and rel.name not in _ONLY_FIRST
         yield Finding(
-            target,
+            target.written,
             f"{what} <{target.path}> {said}: renderers drop it",
             label="not live",
             help="remove the target, or bring the prim to life",
-            related=((Site(target.path), "is the prim"),),
+            related=(*start_of(target), why_not_live(target)),
             severity=Severity.WARNING if others else None,
             explains=(Site(target.path),),
         )

@@ -1,0 +1,240 @@
+"""Does a finding stand at the opinion that has to be changed, and name the others that matter?"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from usdrender_lint.lint import Config, lint
+from usdrender_lint.registry import select
+from usdrender_lint.results import Located, Location, Report
+
+META = '(\n    renderSettingsPrimPath = "/Render/S"\n)\n'
+WORLD = 'def Xform "World"\n{\n    def Camera "cam"\n    {\n    }\n}\n'
+
+
+def place(at: Location) -> str:
+    """The layer, and its line with the place in braces."""
+    name = at.path + (f"[{at.member}]" if at.member else "")
+    if at.span is None or at.source is None:
+        return name
+    start, end = at.span.column - 1, at.span.end_column - 1
+    before, here, after = at.source[:start], at.source[start:end], at.source[end:]
+    return f"{name}: {before.lstrip()}{{{here}}}{after}"
+
+
+class Scene:
+    """Layers in a folder, of which `main.usda` is linted."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+
+    def write(self, **layers: str) -> Scene:
+        for name, text in layers.items():
+            file = self.folder / f"{name}.usda"
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(f"#usda 1.0\n{text}", "utf-8")
+        return self
+
+    def lint(self, rule: str, root: str = "main.usda") -> Report:
+        return lint([str(self.folder / root)], Config(select([rule])), cwd=self.folder)
+
+    def all(self, rule: str, root: str = "main.usda") -> tuple[Located, ...]:
+        return self.lint(rule, root).findings
+
+    def one(self, rule: str, root: str = "main.usda") -> tuple[str, ...]:
+        """The place of the only finding, then those of what is related."""
+        (found,) = self.all(rule, root)
+        return (place(found.location), *(place(r.location) for r in found.related))
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Scene:
+    return Scene(tmp_path)
+
+
+def spec(
+    settings: str = "rel camera = </World/cam>\n        rel products = </Render/P>",
+    product: str = 'token productName = "/out/a.exr"\n        rel orderedVars = </Render/v>',
+    more: str = "",
+    meta: str = META,
+    world: str = WORLD,
+) -> str:
+    return (
+        f'{meta}def Scope "Render"\n{{\n    def RenderSettings "S"\n    {{\n        {settings}\n    }}\n'
+        f'    def RenderProduct "P"\n    {{\n        {product}\n    }}\n'
+        f'    def RenderVar "v"\n    {{\n        string sourceName = "Ci"\n    }}\n{more}}}\n{world}'
+    )
+
+
+def over(body: str, sublayer: str = "w.usda") -> str:
+    return (
+        f'(\n    renderSettingsPrimPath = "/Render/S"\n    subLayers = [@{sublayer}@]\n)\n'
+        f'over "Render"\n{{\n    over "S"\n    {{\n        {body}\n    }}\n}}\n'
+    )
+
+
+class TestTheOpinionThatCounts:
+    RIGHT = "rel camera = </World/cam>\n        rel products = </Render/P>\n        uniform int2 resolution = (0, 0)"
+
+    def test_a_mistyped_one_is_passed_over(self, scene: Scene) -> None:
+        scene.write(main=over("float2 resolution = (3, 3)"), w=spec(self.RIGHT))
+        assert scene.one("invalid-resolution") == ("w.usda: uniform int2 resolution = {(0, 0)}",)
+        assert scene.one("type-mismatch") == ("main.usda: {float2} resolution = (3, 3)",)
+
+    def test_a_weaker_mistyped_one_is_not_asked(self, scene: Scene) -> None:
+        mistyped = self.RIGHT.replace("int2", "float2")
+        scene.write(main=over("int2 resolution = (0, 0)"), w=spec(mistyped))
+        assert scene.one("invalid-resolution") == ("main.usda: int2 resolution = {(0, 0)}",)
+
+    def test_through_a_reference(self, scene: Scene) -> None:
+        main = (
+            META
+            + 'def "Render" (\n    references = @w.usda@</Render>\n)\n{\n    over "S"\n    {\n        float2 resolution = (3, 3)\n    }\n}\n'
+        )
+        scene.write(main=main + WORLD, w=spec(self.RIGHT))
+        assert scene.one("invalid-resolution") == ("w.usda: uniform int2 resolution = {(0, 0)}",)
+
+    def test_what_is_missing_is_missing_where_the_prim_is_defined(self, scene: Scene) -> None:
+        scene.write(main=over("int a = 1"), w=spec("rel products = </Render/P>"))
+        assert scene.one("missing-camera") == ('w.usda: def RenderSettings {"S"}',)
+
+    def test_of_overs_alone_the_strongest_will_do(self, scene: Scene) -> None:
+        orphan = 'over "Render"\n{\n    over RenderSettings "S"\n    {\n    }\n}\n'
+        scene.write(main=over("int a = 1") + 'def "World"\n{\n}\n', w=orphan)
+        assert scene.one("default-settings-not-live")[1] == 'main.usda: over {"S"}'
+
+
+class TestWhatIsNotLive:
+    OFF = '(\n    subLayers = [@w.usda@]\n    renderSettingsPrimPath = "/Render/S"\n)\nover "{}" (\n    active = false\n)\n{{\n}}\n'
+
+    @pytest.mark.parametrize("prim", ["World", "Above"])
+    def test_the_opinion_that_switches_it_off(self, scene: Scene, prim: str) -> None:
+        """Of the prim itself or of one above it, in whatever layer."""
+        world = 'def "Above"\n{\n    def Camera "cam"\n    {\n    }\n}\ndef Camera "World"\n{\n}\n'
+        target = "</Above/cam>" if prim == "Above" else "</World>"
+        weak = spec(f"rel camera = {target}\n        rel products = </Render/P>", world=world)
+        scene.write(main=self.OFF.format(prim), w=weak)
+        assert scene.one("dead-target") == (
+            f"w.usda: rel camera = {{{target}}}",
+            "main.usda: active = {false}",
+        )
+
+    def test_the_default_settings(self, scene: Scene) -> None:
+        main = over("").replace('"S"\n', '"S" (\n        active = false\n    )\n')
+        scene.write(main=main, w=spec())
+        assert scene.one("default-settings-not-live") == (
+            'main.usda: renderSettingsPrimPath = {"/Render/S"}',
+            "main.usda: active = {false}",
+        )
+
+
+class TestChainsOfRelationships:
+    def shot(self, *relationships: str) -> str:
+        return 'def "Shot"\n{\n' + "".join(f"    custom {r}\n" for r in relationships) + "}\n"
+
+    def test_the_end_is_what_is_broken(self, scene: Scene) -> None:
+        broken = spec(
+            "rel camera = </Shot.a>\n        rel products = </Render/P>",
+            world=WORLD + self.shot("rel a = </Shot.b>", "rel b = </World/no>"),
+        )
+        scene.write(main=broken)
+        assert scene.one("unresolved-target")[:2] == (
+            "main.usda: custom rel b = {</World/no>}",
+            "main.usda: rel camera = {</Shot.a>}",
+        )
+
+    def test_one_end_of_two_chains_is_one_finding(self, scene: Scene) -> None:
+        more = '    def RenderProduct "Q"\n    {\n        token productName = "/out/q.exr"\n        rel orderedVars = </Shot.vars>  # Q\n    }\n'
+        both = spec(
+            "rel camera = </World/cam>\n        rel products = [</Render/P>, </Render/Q>]",
+            'token productName = "/out/a.exr"\n        rel orderedVars = </Shot.vars>  # P',
+            more,
+            world=WORLD + self.shot("rel vars = </Render/no>"),
+        )
+        scene.write(main=both)
+        at, *related = scene.one("unresolved-target")
+        assert at == "main.usda: custom rel vars = {</Render/no>}"
+        assert related[:1] + related[2:] == [
+            f"main.usda: rel orderedVars = {{</Shot.vars>}}  # {name}" for name in "PQ"
+        ]
+
+    @pytest.mark.parametrize(
+        ("rule", "target", "end"),
+        [
+            ("wrong-target-type", "World", "{</World>}"),
+            ("dead-target", "World/off", "{</World/off>}"),
+        ],
+    )
+    def test_whatever_is_wrong_with_it(
+        self, scene: Scene, rule: str, target: str, end: str
+    ) -> None:
+        world = (
+            WORLD
+            + 'over "World"\n{\n    def Camera "off" (\n        active = false\n    )\n    {\n    }\n}\n'
+        )
+        world = WORLD.replace(
+            "    def Camera",
+            '    def Camera "off" (\n        active = false\n    )\n    {\n    }\n    def Camera',
+        )
+        rel = "rel camera = </Shot.a>\n        rel products = </Render/P>"
+        scene.write(main=spec(rel, world=world + self.shot(f"rel a = </{target}>")))
+        assert scene.one(rule)[:2] == (
+            f"main.usda: custom rel a = {end}",
+            "main.usda: rel camera = {</Shot.a>}",
+        )
+
+    def test_a_second_camera_at_the_end_of_a_chain(self, scene: Scene) -> None:
+        world = WORLD + 'def Camera "other"\n{\n}\n' + self.shot("rel a = [</World/cam>, </other>]")
+        rel = "rel camera = </Shot.a>\n        rel products = </Render/P>"
+        scene.write(main=spec(rel, world=world))
+        assert scene.one("multiple-cameras") == (
+            "main.usda: custom rel a = [</World/cam>, {</other>}]",
+            "main.usda: rel camera = {</Shot.a>}",
+        )
+
+    @pytest.mark.parametrize(
+        ("last", "end"),
+        [
+            ("rel b", "custom rel {b}"),
+            ("rel b = []", "custom rel b = {[]}"),
+            ("rel b = </Shot.a>", "custom rel b = {</Shot.a>}"),
+        ],
+    )
+    def test_a_dead_end_is_related(self, scene: Scene, last: str, end: str) -> None:
+        rel = "rel camera = </Shot.a>\n        rel products = </Render/P>"
+        scene.write(main=spec(rel, world=WORLD + self.shot("rel a = </Shot.b>", last)))
+        assert scene.one("missing-camera") == (
+            "main.usda: rel {camera} = </Shot.a>",
+            f"main.usda: {end}",
+        )
+
+
+class TestCyclesOfPasses:
+    def passes(self, **inputs: str) -> str:
+        return spec(
+            more="".join(
+                f'    def RenderPass "{n}"\n    {{\n        rel renderSource = </Render/S>\n        rel inputPasses = {i}\n    }}\n'
+                for n, i in inputs.items()
+            )
+        )
+
+    def test_every_edge_is_told_and_the_last_one_is_the_place(self, scene: Scene) -> None:
+        scene.write(main=self.passes(B="</Render/C>", C="</Render/A>", A="</Render/B>"))
+        assert scene.one("input-pass-cycle") == tuple(
+            f"main.usda: rel inputPasses = {{</Render/{n}>}}" for n in "ABC"
+        )
+
+    def test_two_that_share_a_pass(self, scene: Scene) -> None:
+        scene.write(
+            main=self.passes(A="</Render/B>", B="[</Render/A>, </Render/C>]", C="[</Render/B>]")
+        )
+        assert [place(f.location) for f in scene.all("input-pass-cycle")] == [
+            "main.usda: rel inputPasses = [{</Render/A>}, </Render/C>]",
+            "main.usda: rel inputPasses = [</Render/A>, {</Render/C>}]",
+        ]
+
+    def test_a_pass_that_waits_for_itself(self, scene: Scene) -> None:
+        scene.write(main=self.passes(A="</Render/A>"))
+        assert scene.one("input-pass-cycle") == ("main.usda: rel inputPasses = {</Render/A>}",)
