@@ -381,7 +381,11 @@ def test_problems_are_notifications_of_a_failed_run(report: Report) -> None:
     }
     index = truncated["locations"][0]["physicalLocation"]["artifactLocation"]["index"]
     assert run["artifacts"][index]["location"]["uri"] == "look.usdc"
-    assert "locations" not in foreign
+    assert foreign["locations"][0]["physicalLocation"]["artifactLocation"] == {
+        "uri": "x.usda",
+        "uriBaseId": "%ABOVE2%",
+    }
+    assert "%ABOVE2%" in run["originalUriBaseIds"]
     assert crashed["message"]["text"] == "KeyError: 'a'."
     assert crashed["associatedRule"] == {"id": "static-product-name", "index": 1}
     assert plug_in["associatedRule"] == {"id": "of-a-plug-in"}
@@ -544,14 +548,14 @@ def test_uris(report: Report, show: Show) -> None:
     uris = {entry["uri"]: entry for entry in every(run, "artifactLocation")}
 
     for uri, entry in uris.items():
-        assert entry["uriBaseId"] == "%SRCROOT%" if "file:" not in uri else "uriBaseId" not in entry
+        assert entry["uriBaseId"] in run["originalUriBaseIds"]
         assert run["artifacts"][entry["index"]]["location"]["uri"] == uri
     assert set(uris) == {
         "shots/sh%20010/ren%25der.usda",
         "world.usda",
         "look.usdc",
         "pkg.usdz",
-        (show.root.parent / "lib/kit.usda").as_uri(),
+        "lib/kit.usda",
     }
     assert (show.root / unquote("shots/sh%20010/ren%25der.usda")).exists()
 
@@ -560,9 +564,9 @@ def test_artifacts_are_all_files_that_took_part(report: Report, show: Show) -> N
     artifacts = [artifact for artifact in run_of(report)["artifacts"] if "location" in artifact]
     roles = {artifact["location"]["uri"]: artifact.get("roles") for artifact in artifacts}
 
-    # `../lib/other.usda` is missing: nothing tells where it is, and `..` is no URI for a reader.
     assert roles == {
-        (show.root.parent / "lib/kit.usda").as_uri(): ["resultFile"],
+        "lib/kit.usda": ["resultFile"],
+        "lib/other.usda": ["analysisTarget"],
         "file:///studio/lib%20x/base.usda": None,
         "look.usdc": ["analysisTarget"],
         "pkg.usdz": ["analysisTarget"],
@@ -571,6 +575,20 @@ def test_artifacts_are_all_files_that_took_part(report: Report, show: Show) -> N
         "world.usda": None,
     }
     assert not [artifact for artifact in artifacts if "encoding" in artifact]
+
+
+def test_a_file_outside_of_the_repository_is_told_from_the_folder_above() -> None:
+    run = run_of(a_clean(files=("../lib/kit.usda", "../../show/a.usda", "..data/b.usda")))
+
+    locations = [artifact["location"] for artifact in run["artifacts"]]
+    assert [(one["uri"], one["uriBaseId"]) for one in locations] == [
+        ("show/a.usda", "%ABOVE2%"),
+        ("lib/kit.usda", "%ABOVE1%"),
+        ("..data/b.usda", "%SRCROOT%"),
+    ]
+    bases = run["originalUriBaseIds"]
+    assert bases["%ABOVE2%"]["description"]["text"] == "The folder 2 levels above that root."
+    assert not any("uri" in base for base in bases.values())
 
 
 def test_a_colon_in_a_name_makes_no_scheme() -> None:

@@ -30,6 +30,9 @@ Alert = Sequence[Located]
 
 SCHEMA = "https://json.schemastore.org/sarif-2.1.0.json"
 ROOT = "%SRCROOT%"
+ABOVE = "%ABOVE{}%"
+"""The folder so many levels above the root. For files outside of the repository: the standard wants
+`..` resolved, and GitHub refuses a whole upload for one result with an absolute address."""
 MAX_DESCRIPTION = 1024
 """GitHub refuses the whole upload for one longer description."""
 
@@ -60,10 +63,7 @@ def _run(report: Report, pages: Mapping[str, str]) -> Json:
     return {
         "tool": {"driver": _driver(report, pages)},
         "invocations": [_invocation(report, tables)],
-        "originalUriBaseIds": {
-            # Without a `uri`, which would tell names of users and differ between machines.
-            ROOT: {"description": {"text": "The root of the repository that was linted."}}
-        },
+        "originalUriBaseIds": dict(_bases(report, tables)),
         "artifacts": [*_artifacts(report, tables), *_members(report, tables)],
         "logicalLocations": _logical_locations(tables),
         "results": [_result(alert, tables) for alert in alerts],
@@ -231,12 +231,8 @@ def _with_path(problem: Problem) -> str:
 
 
 def _notification_location(problem: Problem, tables: _Tables) -> Json:
-    uri = tables.uris.get(problem.path) or _uri(problem.path)
-    if not uri:
-        return {}
-    return {
-        "locations": [{"physicalLocation": {"artifactLocation": tables.file(problem.path, uri)}}]
-    }
+    where = tables.file(problem.path)
+    return {"locations": [{"physicalLocation": {"artifactLocation": where}}]} if where else {}
 
 
 def _associated_rule(problem: Problem, tables: _Tables) -> Json:
@@ -331,7 +327,7 @@ def _location(place: Place, tables: _Tables) -> Json:
     kind = tables.objects[name].kind
     return {
         "physicalLocation": {
-            "artifactLocation": tables.file(path, tables.uris[path]),
+            "artifactLocation": tables.file(path),
             "region": _region(place.location),
         },
         "logicalLocations": [
@@ -404,7 +400,7 @@ class _Object:
 @dataclass(frozen=True, slots=True)
 class _Tables:
     rules: dict[str, int]
-    uris: dict[str, str]
+    addresses: dict[str, Json]
     """By shown path, of all files that took part; in the order of the artifacts."""
     objects: dict[str, _Object]
     """By fully qualified name; in the order of the logical locations."""
@@ -413,20 +409,22 @@ class _Tables:
     line_hashes: dict[tuple[str, int], str]
     """By file and line; without files that could not be hashed."""
 
-    def file(self, path: str, uri: str) -> Json:
-        index = self.artifact_index.get(path)
-        return _uri_reference(uri) | ({} if index is None else {"index": index})
+    def file(self, path: str) -> Json:
+        """Empty for what has no address: a folder above the repository."""
+        if path in self.addresses:
+            return self.addresses[path] | {"index": self.artifact_index[path]}
+        return _address(path)
 
 
 def _tables(report: Report, alerts: Iterable[Alert]) -> _Tables:
-    uris = _uris(report)
+    addresses = _addresses(report)
     objects = _objects(report)
     return _Tables(
         rules=_index(rule.id for rule in report.rules),
-        uris=uris,
+        addresses=addresses,
         objects=objects,
         object_index=_index(objects),
-        artifact_index=_index(uris),
+        artifact_index=_index(addresses),
         line_hashes=_line_hashes(alerts),
     )
 
@@ -445,36 +443,39 @@ def _as_place(finding: Located) -> Place:
     return Place(finding.message, finding.location, finding.prim_path, finding.property)
 
 
-def _uris(report: Report) -> dict[str, str]:
-    files: dict[str, str | None] = dict.fromkeys((*report.files, *report.layers))
-    files.update((place.location.path, place.location.file) for place in _places(report))
-    uris = {path: _uri(path, file) for path, file in sorted(files.items())}
-    return {path: uri for path, uri in uris.items() if uri}
+def _addresses(report: Report) -> dict[str, Json]:
+    files = {*report.files, *report.layers, *(place.location.path for place in _places(report))}
+    addresses = {path: _address(path) for path in sorted(files)}
+    return {path: address for path, address in addresses.items() if address}
 
 
-def _uri(shown: str, file: str | None = None) -> str | None:
-    """None where nothing tells the absolute path of a file outside the repository.
-
-    The standard wants `..` resolved, and readers may refuse it.
-    """
-    if Path(shown).is_absolute():
-        return Path(shown).as_uri()
-    if shown.partition("/")[0] == "..":
-        return Path(file).as_uri() if file else None
-    return quote(shown, safe=_URI_SAFE, errors="surrogateescape")
+def _address(shown: str) -> Json:
+    if Path(shown).is_absolute():  # another drive of Windows
+        return {"uri": Path(shown).as_uri()}
+    climbs = re.match(r"(?:\.\.(?:/|$))*", shown)
+    above = climbs[0].count("..") if climbs else 0
+    below = quote(shown.removeprefix("../" * above), safe=_URI_SAFE, errors="surrogateescape")
+    base = ABOVE.format(above) if above else ROOT
+    return {"uri": below, "uriBaseId": base} if below.strip(".") else {}
 
 
-def _uri_reference(uri: str) -> Json:
-    return {"uri": uri} if uri.startswith("file:") else {"uri": uri, "uriBaseId": ROOT}
+def _bases(report: Report, tables: _Tables) -> Iterator[tuple[str, Json]]:
+    """Without a `uri`, which would tell names of users and differ between machines."""
+    yield ROOT, {"description": {"text": "The root of the repository that was linted."}}
+    told = [*tables.addresses.values(), *(_address(p.path) for p in report.problems)]
+    for base in sorted({str(address.get("uriBaseId", ROOT)) for address in told} - {ROOT}):
+        levels = base.strip("%").removeprefix("ABOVE")
+        times = "1 level" if levels == "1" else f"{levels} levels"
+        yield base, {"description": {"text": f"The folder {times} above that root."}}
 
 
 def _artifacts(report: Report, tables: _Tables) -> Iterator[Json]:
     with_result = {finding.location.path for finding in report.findings}
-    for path, uri in tables.uris.items():
+    for path, address in tables.addresses.items():
         # resultFile: a file with a result that the tool was not told to look at.
         role = (path in report.files and "analysisTarget") or (path in with_result and "resultFile")
         roles = {"roles": [role]} if role else {}
-        yield {"location": _uri_reference(uri), **_mime_type(path), **roles}
+        yield {"location": address, **_mime_type(path), **roles}
 
 
 def _members(report: Report, tables: _Tables) -> Iterator[Json]:
