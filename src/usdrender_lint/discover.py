@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
+from .records import dataclass
 from .results import Problem
 
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")

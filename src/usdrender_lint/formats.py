@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 
 from .console import terminal_width, use_color
 from .pages import pages
+from .records import dataclass
 from .results import Report
 from .rule import Severity
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import field, replace
 from pathlib import Path
 
 from . import __version__
 from .discover import Shown, discover
 from .discover import Target as File
+from .records import dataclass
 from .registry import Selection, select
 from .renderers import ANY, renderer
 from .results import Located, Problem, RendererChoice, Report, Verdict

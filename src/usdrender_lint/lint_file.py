@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import traceback
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from pxr import Sdf, Tf
 
@@ -19,6 +19,7 @@ from .read.expressions import ill_formed_expressions
 from .read.scene import read_scene
 from .read.text import Texts
 from .read.variants import VariantSet, selecting, variant_sets
+from .records import dataclass
 from .renderers import ANY, choose, renderer
 from .results import Located, Problem, RendererChoice
 from .rule import AnyRule, Context, Renderer

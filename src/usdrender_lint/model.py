@@ -9,9 +9,11 @@ are tuples. They can be compared, sorted, pickled, and outlive their stage.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from enum import StrEnum
 from typing import Generic, Protocol, TypeVar
+
+from .records import dataclass
 
 T = TypeVar("T")
 

@@ -8,11 +8,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 
 from .model import Layer, Suppressions
+from .records import dataclass
 from .rule import AnyRule
 
 SECTIONS = ("Bad", "Good", "When to ignore it", "See also")

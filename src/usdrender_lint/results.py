@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import builtins
 import hashlib
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 
+from .records import dataclass
 from .rule import AnyRule, Severity
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from .model import Camera, Layer, RenderPrim, RenderScope, Scene, Suppressions
+from .records import dataclass
 from .rule import AnyRule, Context, Finding
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from pxr import Pcp, Sdf, Usd
 
 from .model import Site
+from .records import dataclass
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,11 +6,13 @@ import re
 import stat
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Any
 
 from pxr import Sdf, Tf, Usd
+
+from .records import dataclass
 
 PROBE = "__probe__"
 """No prim has this name: masking `/World/set/__probe__` populates `/World/set` and its

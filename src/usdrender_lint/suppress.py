@@ -5,10 +5,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .model import Extent, Flaw, Site, Suppression, Suppressions
+from .records import dataclass
 from .registry import all_rules
 from .results import Located, Location, Span, Verdict
 from .rule import AnyRule, Context, Severity

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from .records import dataclass
 from .results import Span
 from .usda_lines import LINE_BREAK, Lines, Range
 

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from .records import dataclass
 from .usda_lines import LINE_BREAK, Range
 
 # Every repetition is possessive and every closing mark optional: what is not closed runs to

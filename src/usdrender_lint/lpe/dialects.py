@@ -8,8 +8,10 @@ ship are known: where those are silent, a dialect reads what Open Shading Langua
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from types import MappingProxyType
+
+from ..records import dataclass
 
 CAMERA = "C"
 MEANINGS = MappingProxyType(

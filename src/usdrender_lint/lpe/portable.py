@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
+from ..records import dataclass
 from .dialects import ALL, MEANINGS, OSL, Dialect
 from .parse import parse
 from .tree import Complement, Either, Event, Expression, Repeat, Symbol, walk

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 import re
-from dataclasses import dataclass
 
+from ..records import dataclass
 from .dialects import ALL, CAMERA, MEANINGS, Dialect, titles
 
 PREFIX = re.compile(r"[A-Za-z_][A-Za-z0-9_]*;")

@@ -7,8 +7,9 @@ when two parts are compared.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
+from ..records import dataclass
 from .dialects import Dialect
 
 

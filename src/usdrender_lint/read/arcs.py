@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from pxr import Pcp, Sdf, Usd
 
 from ..discover import USD_SUFFIXES
 from ..model import ArcError, Site
+from ..records import dataclass
 from ..stage import Opened, ParseProblem, Unreadable, open_layer, open_member
 
 _ARC_FIELDS = (("reference", "referenceList", "references"), ("payload", "payloadList", "payload"))

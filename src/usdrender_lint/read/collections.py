@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
 from ..model import Collection, Gives, Lost, Member, OtherCollection, Pattern, Rel, Site, State
+from ..records import dataclass
 from ..sites import node_of, out_of_namespace_of
 from .groups import cut_groups
 from .members import (

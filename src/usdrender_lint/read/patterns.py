@@ -7,12 +7,14 @@ says literally, and what it could match on a stage of which most is not populate
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 from fnmatch import fnmatchcase
 from typing import Any
 
 from pxr import Sdf
+
+from ..records import dataclass
 
 STRETCH = "//"
 """The part of a pattern that matches any number of levels, also none."""

@@ -7,7 +7,7 @@ layers do not mention at all, by their text or their tokens, is not walked for.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 
 from pxr import Sdf, Usd
 
@@ -20,6 +20,7 @@ from ..model import (
     Scene,
     Site,
 )
+from ..records import dataclass
 from .collections import membership
 from .crate import mentions
 from .metadata import KEY, opinion_of

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 from pxr import Sdf, Usd, Vt
 
+from ..records import dataclass
 from ..usda import UsdaText
 from .crate import mentions
 

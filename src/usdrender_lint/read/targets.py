@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 
 from pxr import Pcp, Sdf, Tf, Usd
 
 from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
+from ..records import dataclass
 from ..sites import listed, node_of, out_of_namespace_of
 from ..stage import Opened, render_prims, widen
 from .arcs import Failures

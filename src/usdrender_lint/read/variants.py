@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from pxr import Sdf
 
 from ..model import RenderScope
+from ..records import dataclass
 from ..stage import Opened, all_below
 
 

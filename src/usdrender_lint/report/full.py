@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
 from pathlib import Path, PurePath
 
+from ..records import dataclass
 from ..results import Located, Location, Place, Problem, Report, Span
 from ..rule import Severity
 from . import page_url

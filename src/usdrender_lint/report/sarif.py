@@ -14,11 +14,11 @@ import struct
 import zipfile
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
 from ..pages import MalformedPageError, parse
+from ..records import dataclass
 from ..results import Located, Location, Place, Problem, Report
 from ..rule import AnyRule, Severity
 from . import HOME, NAME, page_url, to_json

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+
+from ..records import dataclass
 
 _PIXEL = re.compile(
     r"(?P<base>half|float|double|int|uint)(?P<size>[234])?"
