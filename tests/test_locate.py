@@ -189,15 +189,15 @@ class TestLayers:
         site = Site("/Elsewhere.camera", "targetPaths", "/C", named, "/Render/S.camera")
         assert told(shot.location(site)) == ("a.usda", "rel camera = {</C>}")
 
-    def test_the_session_layer_has_no_text(self, shot: Shot) -> None:
+    def test_for_the_session_layer_stands_the_root(self, shot: Shot) -> None:
         shot.write(main=render("int2 resolution = (1, 1)"))
         session = Sdf.Layer.CreateAnonymous("session.usda")
         session.ImportFromString(f"#usda 1.0\n{over('int2 resolution = (3, 3)')}")
         root = Sdf.Layer.FindOrOpen(str(shot.folder / "main.usda"))
         stage = Usd.Stage.Open(root, session)
-        locator = Locator(stage, "main.usda", Texts(), Shown(shot.folder), [])
+        locator = Locator(stage, root.realPath, Texts(), Shown(shot.folder), [])
         location = locator.location(Site("/Render/S.resolution", "default"))
-        assert (location.span, location.file) == (None, session.identifier)
+        assert location == Location(root.realPath, "main.usda")
 
     def test_below_an_inactive_prim_the_specs_are_still_there(self, shot: Shot) -> None:
         shot.write(

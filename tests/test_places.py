@@ -238,3 +238,111 @@ class TestCyclesOfPasses:
     def test_a_pass_that_waits_for_itself(self, scene: Scene) -> None:
         scene.write(main=self.passes(A="</Render/A>"))
         assert scene.one("input-pass-cycle") == ("main.usda: rel inputPasses = {</Render/A>}",)
+
+
+class TestArcs:
+    """What an arc does not bring is to be mended in its list."""
+
+    def test_an_item_of_a_list(self, scene: Scene) -> None:
+        scene.write(main=over("", "w.usda@, @no.usda"), w=spec())
+        assert scene.one("composition-error") == ("main.usda: subLayers = [@w.usda@, {@no.usda@}]",)
+
+    def test_one_of_two_that_name_the_same_layer(self, scene: Scene) -> None:
+        arcs = "(\n        references = [@w.usda@</A>, @w.usda@</B>]\n    )"
+        both = spec().replace('RenderVar "v"', f'RenderVar "v" {arcs}')
+        scene.write(main=both, w='def "A"\n{\n}\n')
+        assert scene.one("composition-error") == (
+            "main.usda: references = [@w.usda@</A>, {@w.usda@</B>}]",
+        )
+
+    def test_in_a_layer_that_is_referenced(self, scene: Scene) -> None:
+        inner = (
+            'def "Rig"\n{\n    def "cam" (\n        payload = @no.usda@\n    )\n    {\n    }\n}\n'
+        )
+        world = 'def "World" (\n    references = @rig.usda@</Rig>\n)\n{\n}\n'
+        scene.write(main=spec(world=world), rig=inner)
+        assert scene.one("composition-error")[0] == "rig.usda: payload = {@no.usda@}"
+
+    def test_in_a_variant(self, scene: Scene) -> None:
+        arcs = '(\n        variants = { string v = "on" }\n        variantSets = "v"\n    )'
+        body = '\n        variantSet "v" = {\n            "off" (references = @no.usda@</Off>) {\n            }\n            "on" (references = @no.usda@</On>) {\n            }\n        }\n'
+        text = spec().replace('RenderVar "v"\n    {', f'RenderVar "v" {arcs}\n    {{{body}')
+        scene.write(main=text)
+        assert scene.one("composition-error") == (
+            'main.usda: "on" (references = {@no.usda@</On>}) {',
+        )
+
+    def test_who_else_asks_for_it_is_related(self, scene: Scene) -> None:
+        """The root layer comes first, whatever the layers are called."""
+        scene.write(
+            main=over("", "no.usda@, @a.usda"),
+            a="(\n    subLayers = [@no.usda@]\n)\n" + spec(meta=""),
+        )
+        assert scene.one("composition-error") == (
+            "main.usda: subLayers = [{@no.usda@}, @a.usda@]",
+            "a.usda: subLayers = [{@no.usda@}]",
+        )
+
+
+class TestExpressionsOfArcs:
+    def sublayer(self, expression: str, variables: str = "") -> str:
+        return f'(\n    renderSettingsPrimPath = "/Render/S"\n    expressionVariables = {{ {variables} }}\n    subLayers = [@`{expression}`@]\n)\n'
+
+    def test_what_leads_to_no_file(self, scene: Scene) -> None:
+        scene.write(main=self.sublayer('"${SHOT}.usda"', 'string SHOT = "no"') + spec(meta=""))
+        assert scene.one("composition-error") == (
+            'main.usda: subLayers = [{@`"${SHOT}.usda"`@}]',
+            'main.usda: expressionVariables = { string SHOT = {"no"} }',
+        )
+        (found,) = scene.all("composition-error")
+        assert found.message.endswith("comes to 'no.usda', which leads to no file")
+
+    def test_a_variable_that_nobody_sets(self, scene: Scene) -> None:
+        scene.write(main=self.sublayer('"${SHOT}.usda"') + spec(meta=""))
+        (found,) = scene.all("composition-error")
+        assert found.help == "write SHOT in the expressionVariables of the root layer"
+
+    def test_what_cannot_be_evaluated(self, scene: Scene) -> None:
+        """USD names no layer but the session layer, whose name is an address in memory."""
+        scene.write(main=self.sublayer('"${SHOT}.usda') + spec(meta=""))
+        assert scene.one("composition-error") == ('main.usda: subLayers = [{@`"${SHOT}.usda`@}]',)
+        (found,) = scene.all("composition-error")
+        assert "0x" not in repr((found.message, found.location, found.related, found.roots))
+
+    def test_of_a_reference(self, scene: Scene) -> None:
+        arc = '(\n        references = @`"${SHOT}`@\n    )'
+        scene.write(main=spec().replace('RenderVar "v"', f'RenderVar "v" {arc}'))
+        assert scene.one("composition-error") == ('main.usda: references = {@`"${SHOT}`@}',)
+
+
+class TestCyclesOfArcs:
+    def test_sublayers(self, scene: Scene) -> None:
+        scene.write(
+            main=over("", "a.usda"), a="(\n    subLayers = [@w.usda@, @main.usda@]\n)\n", w=spec()
+        )
+        assert scene.one("composition-error") == (
+            "a.usda: subLayers = [@w.usda@, {@main.usda@}]",
+            "main.usda: subLayers = [{@a.usda@}]",
+        )
+
+    @pytest.mark.parametrize("arc", ["references", "payload"])
+    def test_layers_that_refer_to_each_other(self, scene: Scene, arc: str) -> None:
+        scene.write(
+            main=f'def "Render" (\n    {arc} = @a.usda@</A>\n)\n{{\n}}\n',
+            a=f'def "A" (\n    {arc} = @main.usda@</Render>\n)\n{{\n}}\n',
+        )
+        assert scene.one("composition-error") == (
+            f"a.usda: {arc} = {{@main.usda@</Render>}}",
+            f"main.usda: {arc} = {{@a.usda@</A>}}",
+        )
+
+    def test_classes_that_inherit_each_other(self, scene: Scene) -> None:
+        pair = "".join(
+            f'    class "{a}" (\n        inherits = </Render/{b}>\n    )\n    {{\n    }}\n'
+            for a, b in ("xy", "yx")
+        )
+        scene.write(main=spec(more=pair))
+        assert scene.one("composition-error") == (
+            "main.usda: inherits = {</Render/x>}",
+            "main.usda: inherits = {</Render/y>}",
+        )

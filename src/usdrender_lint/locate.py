@@ -29,6 +29,7 @@ class Locator:
         unparsed: list[ParseProblem],
     ) -> None:
         self._stage = stage
+        self._file = root
         self._root = shown(root)
         self._texts = texts
         self._shown = shown
@@ -62,6 +63,8 @@ class Locator:
         return self._spot_location(find(self._stage, site))
 
     def _spot_location(self, spot: Spot) -> Location:
+        if spot.layer.anonymous:  # its name would be an address in memory
+            return Location(self._file, self._root)
         text = self._texts.of(spot.layer)
         span = text.span(spot.path, spot.field, spot.target) if text else None
         source = text.line(span.line) if text and span else None

@@ -674,6 +674,14 @@ class ArcError:
     count: int
     prims: tuple[str, ...]
     """Composed prims where the error was met, sorted, at most a handful."""
+    further: tuple[Site, ...]
+    """Other opinions that ask for the same, or the other arcs of a cycle."""
+    variables: tuple[Site, ...]
+    """What the variables are, for an arc that is an expression."""
+    said: str
+    """What the expression comes to, or why it comes to nothing."""
+    unset: tuple[str, ...]
+    """Variables of the expression that nobody sets."""
     touches_spec: bool
     """It stands on, above or below a render prim or a render target, or is a sublayer of the root layer stack."""
 

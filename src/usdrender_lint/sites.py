@@ -26,7 +26,7 @@ def find(stage: Usd.Stage, site: Site) -> Spot:
     if site.layer is not None:
         layer = Sdf.Layer.Find(site.layer) or stage.GetRootLayer()
         return Spot(layer, site.spec or site.path, site.field, site.target)
-    if site.path == "/":
+    if site.path in ("/", ""):
         return Spot(stage.GetRootLayer(), "/", site.field, site.target)
     if site.property_name is not None and (spot := _property_spot(stage, site)):
         return spot

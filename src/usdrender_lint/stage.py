@@ -24,6 +24,8 @@ _MAX_ROUNDS = 8
 """Of widening: chains of forwarded relationships longer than this are nobody's intent."""
 
 _LFS = b"version https://git-lfs.github.com/spec/v1"
+_ADDRESS = re.compile(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
+"""Of a stage or a layer in memory: nobody can follow it, and it differs from run to run."""
 _HEADER = re.compile(rb"#(?:usda|sdf)\b")
 
 
@@ -32,7 +34,7 @@ def sentences(said: Iterable[Any]) -> list[str]:
     found = []
     for one in said:
         with suppress(UnicodeDecodeError):
-            found.append(one.commentary.strip())
+            found.append(_ADDRESS.sub("", one.commentary.strip()))
     return found
 
 

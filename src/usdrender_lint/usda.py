@@ -281,7 +281,7 @@ class UsdaText:
         entries.sort(key=_removes)
         if target:
             arcs = (arc for entry in entries for arc in self._elements(entry))
-            yield from (arc for arc in arcs if self._leads_to(arc, path) == target)
+            yield from (arc for arc in arcs if target in self._meanings(arc, path))
         for entry in entries:
             if rest and entry.value:
                 for found in self._in_dictionary(entry.value, rest):
@@ -329,6 +329,12 @@ class UsdaText:
             start, end = statement.value
             listed = self._data[start] == 0x5B
             yield from self._scan.items((start + 1, end - 1) if listed else (start, end))
+
+    def _meanings(self, arc: Range, path: _Path) -> tuple[str, ...]:
+        """What an arc may be called: its asset, and its asset and prim."""
+        asset = self._leads_to(arc, path)
+        inner = self._scan.prim_of(arc)
+        return (asset, f"{asset}<{self._text(inner)}>") if inner else (asset,)
 
     def _leads_to(self, arc: Range, path: _Path) -> str:
         """The asset of an arc as authored; without one the prim or property."""

@@ -291,6 +291,12 @@ class Scan:
         match = LEADING_ASSET.match(self._data, *arc)
         return self.unquoted(match.span()) if match else None
 
+    def prim_of(self, arc: Range) -> Range | None:
+        """The prim in the asset of an arc, without its brackets."""
+        match = LEADING_ASSET.match(self._data, *arc)
+        start = self._data.find(b"<", match.end(), arc[1]) if match else -1
+        return (start + 1, arc[1] - 1) if start >= 0 else None
+
     def unquoted(self, string: Range) -> bytes:
         """What stands between the quotes, or the `@`s, of a string; escapes are left alone."""
         start, end = string

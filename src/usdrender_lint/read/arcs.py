@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
+from functools import cached_property
 
 from pxr import Pcp, Sdf, Usd
 
@@ -10,6 +12,7 @@ from ..discover import USD_SUFFIXES
 from ..model import ArcError, Site
 from ..records import dataclass
 from ..stage import Opened, ParseProblem, Unreadable, open_layer, open_member
+from .cycles import cycle_of_arcs, cycle_of_sublayers, spelt
 
 _ARC_FIELDS = (("reference", "referenceList", "references"), ("payload", "payloadList", "payload"))
 
@@ -24,6 +27,9 @@ _FOUND_ON_SPECS = {
     "ErrorInvalidSublayerPath",
     "ErrorAssetPathError",
 }
+_EXPRESSION = "ErrorVariableExpressionError"
+_SPEC = re.compile(r" at (/\S*) in @(.*?)@: ")
+_OF_SUBLAYERS = {"ErrorInvalidSublayerPath", _EXPRESSION}
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +43,21 @@ class Failure:
     asset: str
     missing_prim: str
     site: Site
+    evaluated: _Evaluated | None = None
+    """Where the asset is an expression."""
+    further: tuple[Site, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class _Evaluated:
+    """What a variable expression comes to."""
+
+    value: str
+    """Empty where it gives nothing, or cannot be evaluated."""
+    problem: str
+    variables: tuple[Site, ...]
+    """The opinions of those that it uses."""
+    unset: tuple[str, ...]
 
 
 class Failures:
@@ -50,16 +71,44 @@ class Failures:
         errors = opened.stage.GetCompositionErrors()
         if not errors:
             return
-        prims = sorted({str(e.rootSite.path) for e in errors})
-        for path in prims:
+        prims = {str(e.rootSite.path) for e in errors}.union(*map(self._of_expression, errors))
+        for path in sorted(prims - {""}):
             self._found.extend(self._below_arcs(path))
-        if any(type(e).__name__ == "ErrorInvalidSublayerPath" for e in errors):
+        if any(type(e).__name__ in _OF_SUBLAYERS for e in errors):
             self._found.extend(self._sublayers())
+        placed = any(failure.kind == "bad-expression" for failure in self._found)
         for error in errors:
             name = type(error).__name__
-            if name not in _FOUND_ON_SPECS:
-                path = str(error.rootSite.path)
-                self._found.append(Failure(path, _SAID.get(name, name), "", "", "", Site(path)))
+            if name not in _FOUND_ON_SPECS and not (name == _EXPRESSION and placed):
+                path = str(error.rootSite.path) or "/"
+                kind = _SAID.get(name, name)
+                *further, site = self._cycle(kind, path) or (Site(path),)
+                self._found.append(Failure(path, kind, "", "", "", site, None, tuple(further)))
+
+    def _cycle(self, kind: str, path: str) -> tuple[Site, ...]:
+        root = self._opened.stage.GetRootLayer()
+        if kind == "cycle":
+            return cycle_of_arcs(root, path, self._layer_at)
+        return cycle_of_sublayers(root, self._layer_at) if kind == "sublayer-cycle" else ()
+
+    def _of_expression(self, error: Pcp.ErrorBase) -> set[str]:
+        """Prims whose arc is an expression that failed: there the error tells no prim of the stage,
+        and in words the spec."""
+        match = _SPEC.search(str(error)) if type(error).__name__ == _EXPRESSION else None
+        if not match:
+            return set()
+        path, file = Sdf.Path(match[1]), match[2]
+        stacks = ((p, p.GetPrimStack()) for p in self._opened.stage.TraverseAll())
+        return {
+            str(prim.GetPath())
+            for prim, stack in stacks
+            if any(s.path == path and file in (s.layer.identifier, s.layer.realPath) for s in stack)
+        }
+
+    def _layer_at(self, layer: Sdf.Layer, asset: str) -> Sdf.Layer | None:
+        """What an asset path leads to, if USD has it open."""
+        asset = self._evaluated(layer, asset).value if asset.startswith("`") else asset
+        return Sdf.Layer.Find(layer.ComputeAbsolutePath(asset)) if asset else None
 
     def hiding(self, path: str) -> str | None:
         """What the prim at `path` may be behind, as authored: an asset, or the prim of an internal arc."""
@@ -78,13 +127,18 @@ class Failures:
         for failure in self._found:
             # An asset that did not open is told as a finding of that layer, or as unreadable.
             if failure.kind != "unopened-asset":
-                where = "" if failure.asset else failure.prim
-                cause = (failure.kind, failure.arc, failure.asset, failure.missing_prim, where)
+                where = "" if failure.asset or failure.further else failure.prim
+                edges = sorted(
+                    map(str, (*failure.further, failure.site) if failure.further else ())
+                )
+                named = failure.asset, failure.missing_prim
+                cause = (failure.kind, failure.arc, *named, where, *edges)
                 grouped.setdefault(cause, []).append(failure)
         return tuple(self._error(group, needed) for group in grouped.values())
 
     def _error(self, group: list[Failure], needed: tuple[str, ...]) -> ArcError:
-        first = min(group, key=lambda f: (f.site.layer or "", f.prim))
+        first = min(group, key=lambda f: (self._depth(f.site), f.site.layer or "", f.prim))
+        asking = [f.site for f in group if f.site.layer and f.site != first.site]
         prims = sorted({f.prim for f in group})
         touches = any(p == "/" or n == p or n.startswith(p + "/") for p in prims for n in needed)
         return ArcError(
@@ -95,8 +149,21 @@ class Failures:
             first.site,
             len(group),
             tuple(prims[:5]),
+            first.further or tuple(dict.fromkeys(asking)),
+            first.evaluated.variables if first.evaluated else (),
+            (first.evaluated.problem or first.evaluated.value) if first.evaluated else "",
+            first.evaluated.unset if first.evaluated else (),
             touches,
         )
+
+    def _depth(self, site: Site) -> int:
+        """How far down the root layer stack it stands; what is beyond comes last."""
+        layers = [one.identifier for one in self._own]
+        return layers.index(site.layer) if site.layer in layers else len(layers)
+
+    @cached_property
+    def _own(self) -> list[Sdf.Layer]:
+        return list(self._opened.stage.GetLayerStack(includeSessionLayers=True))
 
     def _below_arcs(self, path: str) -> Iterator[Failure]:
         prim = self._opened.stage.GetPrimAtPath(path)
@@ -121,22 +188,19 @@ class Failures:
         self, prim: Usd.Prim, spec: Sdf.PrimSpec, arc: str, field: str, item: Sdf.Reference
     ) -> Iterator[Failure]:
         asset, wanted = str(item.assetPath), item.primPath
-        written = asset
+        written, path, evaluated = asset, str(prim.GetPath()), None
+        site = Site(path, field, spelt(asset, wanted), spec.layer.identifier, str(spec.path))
         if asset.startswith("`"):
-            asset = self._evaluated(asset)
-        site = Site(
-            str(prim.GetPath()),
-            field,
-            written or str(wanted),
-            spec.layer.identifier,
-            str(spec.path),
-        )
+            evaluated = self._evaluated(spec.layer, asset)
+            asset = evaluated.value
+            if evaluated.problem:
+                yield Failure(path, "bad-expression", arc, written, "", site, evaluated)
         if written and not asset:
             return  # an expression that gives nothing, on purpose
         if asset:
             kind, layer = self._open(spec.layer, asset)
             if layer is None:
-                yield Failure(str(prim.GetPath()), kind, arc, written, "", site)
+                yield Failure(path, kind, arc, written, "", site, evaluated)
                 return
             wanted = wanted or _default_prim(layer)
             layers = [layer]
@@ -147,22 +211,44 @@ class Failures:
         elif not any(one.GetPrimAtPath(wanted) for one in _with_sublayers(layers)):
             yield Failure(str(prim.GetPath()), "missing-prim", arc, asset, str(wanted), site)
 
-    def _evaluated(self, expression: str) -> str:
-        """What a variable expression comes to, by the variables of the root layer."""
-        variables = self._opened.stage.GetRootLayer().expressionVariables
-        result = Sdf.VariableExpression(expression).Evaluate(dict(variables))
-        return result.value if isinstance(result.value, str) else ""
+    def _evaluated(self, layer: Sdf.Layer, expression: str) -> _Evaluated:
+        """What a variable expression of a layer comes to. The root layer has the last word."""
+        root = self._opened.stage.GetRootLayer()
+        holders = {name: one for one in (layer, root) for name in one.expressionVariables}
+        variables = {name: one.expressionVariables[name] for name, one in holders.items()}
+        result = Sdf.VariableExpression(expression).Evaluate(variables)
+        used = sorted(map(str, result.usedVariables))
+        sites = tuple(
+            Site("/", f"expressionVariables:{name}", layer=holders[name].identifier)
+            for name in used
+            if name in holders
+        )
+        value = result.value if isinstance(result.value, str) else ""
+        unset = tuple(name for name in used if name not in holders)
+        return _Evaluated(value, "; ".join(map(str, result.errors)), sites, unset)
 
     def _sublayers(self) -> Iterator[Failure]:
-        own = set(self._opened.stage.GetLayerStack(includeSessionLayers=True))
-        for layer in self._opened.stage.GetUsedLayers():
+        used = sorted(self._opened.stage.GetUsedLayers(), key=lambda layer: layer.identifier)
+        for layer in used:
             for written in layer.subLayerPaths:
-                asset = self._evaluated(written) if written.startswith("`") else written
-                kind, sublayer = self._open(layer, asset) if asset else ("", layer)
-                if sublayer is None:
-                    site = Site("/", "subLayers", written, layer.identifier)
-                    for prim in ["/"] if layer in own else self._using(layer):
-                        yield Failure(prim, kind, "sublayer", written, "", site)
+                yield from self._check_sublayer(layer, written)
+
+    def _check_sublayer(self, layer: Sdf.Layer, written: str) -> Iterator[Failure]:
+        asset, evaluated = written, None
+        if written.startswith("`"):
+            evaluated = self._evaluated(layer, written)
+            asset = evaluated.value
+        if evaluated and evaluated.problem:
+            kind = "bad-expression"
+        elif asset:
+            kind, found = self._open(layer, asset)
+            if found is not None:
+                return
+        else:
+            return  # an expression that gives nothing, on purpose
+        site = Site("/", "subLayers", written, layer.identifier)
+        for prim in ["/"] if layer in self._own else self._using(layer):
+            yield Failure(prim, kind, "sublayer", written, "", site, evaluated)
 
     def _using(self, layer: Sdf.Layer) -> Iterator[str]:
         """The topmost prims that an arc fills from the layer stack of `layer`: USD names none."""

@@ -8,11 +8,18 @@ from collections.abc import Iterator
 from ..model import ArcError, Layer, RenderScope, Settings, Site, State, Target
 from ..rule import Context, Finding, Severity, rule
 from ._chains import why_not_live
-from ._words import a_or_an, did_you_mean, paths
+from ._words import a_or_an, did_you_mean, joined, paths
 
 GROUP = "stage"
 KEY = "renderSettingsPrimPath"
 _FRAME_TOKEN = re.compile(r"\$F\d*|<F\d*>|#+|%0?\d*d|\{frame\}|@Frame")
+_CYCLES = ("cycle", "sublayer-cycle")
+_ARCS = {
+    "references": "references",
+    "payload": "payloads",
+    "inheritPaths": "inherits",
+    "specializes": "specializes",
+}
 _NETWORK = ("http://", "https://", "omniverse://", "s3://")
 
 
@@ -248,11 +255,17 @@ def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]
         yield Finding(
             error.site,
             f"{_what_failed(error)}{times}",
-            label="not composed",
+            label="leads back" if error.kind in _CYCLES else "not composed",
             help=_what_to_do(error),
             severity=_how_bad(error),
-            related=tuple(_hidden(scope, error)),
+            related=(*_further(error), *_hidden(scope, error)),
         )
+
+
+def _further(error: ArcError) -> Iterator[tuple[Site, str]]:
+    said = "is on the way" if error.kind in _CYCLES else "asks for it, too"
+    yield from ((site, said) for site in error.further[:3])
+    yield from ((site, "is what the variable says") for site in error.variables[:2])
 
 
 def _how_bad(error: ArcError) -> Severity | None:
@@ -268,8 +281,13 @@ def _what_failed(error: ArcError) -> str:
             return f"the {error.arc} @{error.asset}@{into} needs a plug-in of USD: it was not looked at"
         case "missing-asset" if error.asset.startswith(_NETWORK):
             return f"the {error.arc} @{error.asset}@{into} is on the network: it was not looked at"
+        case "missing-asset" if error.said:
+            return f"the {error.arc} @{error.asset}@{into} comes to '{error.said}', which leads to no file"
         case "missing-asset":
             return f"the {error.arc} @{error.asset}@{into} leads to no file"
+        case "bad-expression":
+            problem = error.said[:1].lower() + error.said[1:]
+            return f"the {error.arc} @{error.asset}@{into} is no expression that USD can evaluate: {problem}"
         case "missing-prim" if error.asset:
             return f"@{error.asset}@ has no prim <{error.prim}> for the {error.arc}{into}"
         case "missing-prim":
@@ -279,7 +297,9 @@ def _what_failed(error: ArcError) -> str:
                 f"the {error.arc} @{error.asset}@{into} names no prim, and the layer no defaultPrim"
             )
         case "cycle":
-            return f"the references, payloads or inherits{into} lead back to themselves"
+            fields = {site.field for site in (*error.further, error.site)}
+            arcs = [arc for field, arc in _ARCS.items() if field in fields] or [*_ARCS.values()]
+            return f"the {joined(arcs)}{into} lead back to themselves"
         case "sublayer-cycle":
             return "the sublayers lead back to themselves"
         case _:
@@ -293,12 +313,20 @@ def _what_to_do(error: ArcError) -> str:
             return "what it holds is unknown here, not missing"
         case "missing-asset" if error.asset.startswith(_NETWORK):
             return "what it holds is unknown here, not missing"
+        case "missing-asset" if error.unset:
+            return f"write {joined(error.unset)} in the expressionVariables of the root layer"
         case "missing-asset":
             return "correct the path, or bring the file; what it holds is missing from the render"
         case "missing-prim":
             return "correct the prim's path, or leave it out to take the layer's defaultPrim"
         case "no-default-prim":
             return f"write the prim after the asset, or a defaultPrim in @{error.asset}@"
+        case "bad-expression":
+            return (
+                "correct the expression: its strings stand in double quotes, its variables in ${ }"
+            )
+        case "cycle" | "sublayer-cycle":
+            return "take one of them away" if error.further else "take it away"
         case _:
             return ""
 
