@@ -9,7 +9,7 @@ import pytest
 from pxr import Sdf
 
 from usdrender_lint.lint import lint
-from usdrender_lint.results import Report
+from usdrender_lint.results import Report, Span
 from usdrender_lint.rule import Severity
 
 SPEC = """\
@@ -56,7 +56,8 @@ def test_a_member_that_does_not_parse_is_told(tmp_path: Path, arc: str) -> None:
     report = linted(package(tmp_path, main=main, broken='#usda 1.0\ndef Scope "A"\n{\n  what\n}\n'))
     (finding,) = report.findings
     assert (finding.rule.id, finding.severity) == ("syntax-error", Severity.ERROR)
-    assert "in line 4 of the member" in finding.message
+    at = finding.location
+    assert (at.path, at.member, at.span) == ("shot.usdz", "broken.usda", Span(4, 3, 4))
 
 
 @pytest.mark.parametrize(

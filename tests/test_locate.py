@@ -356,6 +356,7 @@ class TestFormats:
 
     @pytest.mark.parametrize("member", ["in.usdc", "in.usda"])
     def test_a_member_of_a_package(self, shot: Shot, member: str) -> None:
+        """The first is the package to USD, and the text of each is at hand."""
         shot.write(tmp=render("int2 resolution = (1, 1)"))
         text = Sdf.Layer.FindOrOpen(str(shot.folder / "tmp.usda"))
         text.Export(str(shot.folder / member))
@@ -365,7 +366,9 @@ class TestFormats:
         for root in ("p.usdz", "main.usda"):
             location = shot.location(self.SITE, root)
             assert (location.file, location.path) == (str(package), "p.usdz")
-            assert (location.span, location.source) == (None, None)
+            assert location.member == member
+            here = "int2 resolution = {(1, 1)}" if member == "in.usda" else NOWHERE
+            assert told(location) == ("p.usdz", here)
 
     @pytest.mark.parametrize("ending", ["\n", "\r\n"], ids=["LF", "CR LF"])
     def test_line_breaks(self, shot: Shot, ending: str) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from pxr import Sdf
 
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.registry import select
@@ -345,4 +346,69 @@ class TestCyclesOfArcs:
         assert scene.one("composition-error") == (
             "main.usda: inherits = {</Render/x>}",
             "main.usda: inherits = {</Render/y>}",
+        )
+
+
+class TestPackages:
+    """The text of a member has lines, comments and expressions like any other."""
+
+    def package(self, scene: Scene, **members: str) -> str:
+        scene.write(**members)
+        with Sdf.ZipFileWriter.CreateNew(str(scene.folder / "p.usdz")) as writer:
+            for name in members:
+                writer.AddFile(str(scene.folder / f"{name}.usda"), f"{name}.usda")
+        return "p.usdz"
+
+    LOST = "rel camera = </World/no>  {}\n        rel products = </Render/P>"
+
+    def test_the_first_member(self, scene: Scene) -> None:
+        root = self.package(scene, main=spec(self.LOST.format("")))
+        assert scene.one("unresolved-target", root)[0] == (
+            "p.usdz[main.usda]: rel camera = {</World/no>}  "
+        )
+
+    def test_a_member_below_it(self, scene: Scene) -> None:
+        root = self.package(scene, main=over(""), w=spec(self.LOST.format("")))
+        assert scene.one("unresolved-target", root)[0] == (
+            "p.usdz[w.usda]: rel camera = {</World/no>}  "
+        )
+
+    def test_a_member_of_a_package_in_a_package(self, scene: Scene) -> None:
+        inner = self.package(scene, main=spec(self.LOST.format("")))
+        (scene.folder / inner).rename(scene.folder / "in.usdz")
+        (scene.folder / "top.usda").write_text(f"#usda 1.0\n{over('', 'in.usdz')}", "utf-8")
+        with Sdf.ZipFileWriter.CreateNew(str(scene.folder / "p.usdz")) as writer:
+            for name in ("top.usda", "in.usdz"):
+                writer.AddFile(str(scene.folder / name), name)
+        assert scene.one("unresolved-target", "p.usdz")[0].startswith(
+            "p.usdz[in.usdz[main.usda]]: rel camera"
+        )
+
+    @pytest.mark.parametrize("member", ["main", "w"])
+    def test_comments_silence(self, scene: Scene, member: str) -> None:
+        comment = "# usdrender-lint: ignore[unresolved-target] why not"
+        broken = spec(self.LOST.format(comment))
+        members = {"main": broken} if member == "main" else {"main": over(""), "w": broken}
+        report = scene.lint("unresolved-target", self.package(scene, **members))
+        assert report.findings == ()
+        assert [f.location.member for f in report.suppressed] == [f"{member}.usda"]
+
+    def test_a_comment_that_silences_nothing_has_its_place(self, scene: Scene) -> None:
+        text = spec("rel camera = </World/cam>  # usdrender-lint: ignore[unresolved-target]")
+        report = lint(
+            [str(scene.folder / self.package(scene, main=text))],
+            Config(select(["default"])),
+            cwd=scene.folder,
+        )
+        (unused,) = (f for f in report.findings if f.rule.id == "unused-suppression")
+        assert place(unused.location) == (
+            "p.usdz[main.usda]: rel camera = </World/cam>  # usdrender-lint: ignore[{unresolved-target}]"
+        )
+
+    @pytest.mark.parametrize("member", ["main", "w"])
+    def test_what_does_not_parse(self, scene: Scene, member: str) -> None:
+        broken = 'def "A"\n{\n    what\n}\n'
+        members = {"main": broken} if member == "main" else {"main": over(""), "w": broken}
+        assert scene.one("syntax-error", self.package(scene, **members)) == (
+            f"p.usdz[{member}.usda]: {{w}}hat",
         )

@@ -10,6 +10,7 @@ from pxr import Sdf, Usd
 from .discover import Shown
 from .locate import Locator
 from .model import Extent, Site
+from .read.packages import split_package
 from .read.suppressions import (
     Authored,
     authored_above,
@@ -43,17 +44,20 @@ class Ignores:
 
     def enter(self, stage: Usd.Stage, locator: Locator, own: Sdf.Layer | None) -> None:
         """Findings of this stage follow; `own`: the root layer, to learn all that it holds."""
-        self._opening = _Opening(stage, locator)
+        self._opening = _Opening(stage, locator, self._texts)
         if own is not None:
             if self._unseen is None:
                 text = self._texts.of(own)
-                self.own = (*self._in_text(own.realPath), *self._opening.of_layer(own, text))
+                self.own = (
+                    *self._in_text(self._texts.file_of(own)),
+                    *self._opening.of_layer(own, text),
+                )
             unseen = self._opening.unseen(self.own)
             self._unseen = unseen if self._unseen is None else self._unseen & unseen
 
     def enter_text(self, file: str) -> None:
         """The root layer gives no stage, and what follows is about its text."""
-        self.own = self._in_text(file)
+        self.own = self._in_text(self._texts.full_name(file))
 
     def judge(self, finding: Located) -> Located:
         judged, silencing = judge(finding, self._for(finding))
@@ -61,7 +65,7 @@ class Ignores:
         return judged
 
     def _for(self, finding: Located) -> Iterator[Ignore]:
-        yield from self._in_text(finding.location.file)
+        yield from self._in_text(_full_name(finding.location))
         if self._opening is not None:
             yield from self._opening.in_metadata(finding)
 
@@ -77,15 +81,20 @@ class Ignores:
         for comment in text.comments(MARK.encode()):
             source = text.line(comment.line)
             for said, span, lines in in_comment(comment, file):
-                at = Location(file, self._shown(file), None, span, source)
+                at = Location(*self._located(file), span, source)
                 yield Ignore(said, at, lines)
+
+    def _located(self, file: str) -> tuple[str, str, str | None]:
+        package, member = split_package(file)
+        return package, self._shown(package), member
 
 
 class _Opening:
     """The metadata of one stage."""
 
-    def __init__(self, stage: Usd.Stage, locator: Locator) -> None:
+    def __init__(self, stage: Usd.Stage, locator: Locator, texts: Texts) -> None:
         self._stage = stage
+        self._texts = texts
         self._locator = locator
         self._of_layers: dict[str, tuple[Ignore, ...]] = {}
         self._above: dict[str, tuple[Ignore, ...]] = {}
@@ -93,11 +102,11 @@ class _Opening:
     @cached_property
     def _layers(self) -> dict[str, Sdf.Layer]:
         used = self._stage.GetUsedLayers()
-        return {layer.realPath or layer.identifier: layer for layer in used}
+        return {self._texts.file_of(layer): layer for layer in used}
 
     def in_metadata(self, finding: Located) -> Iterator[Ignore]:
         at = finding.location
-        name = f"{at.file}[{at.member}]" if at.member else at.file
+        name = _full_name(at)
         if name not in self._of_layers:
             layer = self._layers.get(name)
             found = authored_on_layer(layer) if layer is not None else ()
@@ -123,6 +132,10 @@ class _Opening:
             site = Site(path, one.field, layer=one.layer, spec=one.spec)
             for said in in_metadata(site, _extent(one.spec), one.key, one.names):
                 yield Ignore(said, self._locator.location(said.site), reaches=one.reaches)
+
+
+def _full_name(at: Location) -> str:
+    return f"{at.file}[{at.member}]" if at.member else at.file
 
 
 def _extent(spec: str) -> Extent:

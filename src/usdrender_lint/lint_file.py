@@ -16,6 +16,7 @@ from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
 from .read import read
 from .read.expressions import ill_formed_expressions
+from .read.packages import split_package
 from .read.scene import read_scene
 from .read.text import Texts
 from .read.variants import VariantSet, selecting, variant_sets
@@ -101,7 +102,9 @@ class _File:
             outcomes, more = self._lint_variants(composed, layer)
             findings, problems = merge_outcomes(findings, outcomes), [*problems, *more]
         layers = composed.opened.stage.GetUsedLayers()
-        files = sorted({self._shown(_file_of(one.realPath)) for one in layers if one.realPath})
+        files = sorted(
+            {self._shown(split_package(one.realPath)[0]) for one in layers if one.realPath}
+        )
         return FileResult(
             findings,
             tuple(problems),
@@ -237,11 +240,6 @@ def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
 
 def _as_layer(problem: ParseProblem) -> Layer:
     return Layer(problem.file, Site("/", "syntax", layer=problem.file), problem.message)
-
-
-def _file_of(path: str) -> str:
-    """The package for a layer inside one."""
-    return path.partition("[")[0] if path.endswith("]") else path
 
 
 def _brought_in(layer: Sdf.Layer) -> Iterator[str]:

@@ -6,6 +6,7 @@ from pxr import Usd
 
 from .discover import Shown
 from .model import HasSite, Site
+from .read.packages import split_package
 from .read.text import Texts
 from .results import Located, Location, Place, Span
 from .rule import AnyRule, Finding, Renderer, Severity
@@ -68,7 +69,7 @@ class Locator:
         text = self._texts.of(spot.layer)
         span = text.span(spot.path, spot.field, spot.target) if text else None
         source = text.line(span.line) if text and span else None
-        return self._in_file(spot.layer.realPath or spot.layer.identifier, span, source)
+        return self._in_file(self._texts.file_of(spot.layer), span, source)
 
     def _parse_location(self, file: str, site: Site) -> Location:
         text = self._texts.of_file(file)
@@ -78,15 +79,15 @@ class Locator:
             span = text.span(site.spec, "default")
             return self._in_file(file, span, text.line(span.line) if span else None)
         problem = self._unparsed[file]
+        if not problem.line:
+            return self._in_file(file, None)
         source = text.line(problem.line)
         column = len(source.encode()[: problem.column - 1].decode(errors="replace")) + 1
         end = min(len(source) + 1, column + 1)
         return self._in_file(file, Span(problem.line, column, max(end, column)), source)
 
     def _in_file(self, file: str, span: Span | None, source: str | None = None) -> Location:
-        member = None
-        if file.endswith("]") and "[" in file:
-            file, _, member = file[:-1].partition("[")
+        file, member = split_package(self._texts.full_name(file))
         return Location(file, self._shown(file), member, span, source)
 
 

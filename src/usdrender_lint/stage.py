@@ -178,35 +178,27 @@ def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
 
 
 def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
-    """A layer inside a package, or why there is none. `name` is `package.usdz[member]`.
-
-    Its text is not at hand, so a line is told in words.
-    """
+    """A layer inside a package, or why there is none. `name` is `package.usdz[member]`."""
     try:
         if layer := Sdf.Layer.FindOrOpen(name):
             return layer
     except Tf.ErrorException as error:
         for text in sentences(error.args):
             if match := _AT.search(text):
-                near = _NEAR.fullmatch(match[3].strip())
-                told = _sentence(near[1], near[2]) if near else _sentence(match[3], "")
-                return ParseProblem(name, f"{told}, in line {match[1]} of the member")
+                return _not_parsed(name, match)
     return Unreadable(name, "unreadable-file", "USD cannot open this member of the package")
 
 
 _AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
 _NEAR = re.compile(r"(.*?) at '(.*)' in <(.*)>", re.S)
-_EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+): (.*)", re.S)
+_EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
 
 
 def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
     """USD's sentences hold C++ names and temporary paths: the facts in them, in other words."""
     for text in said:
         if match := _AT.search(text):
-            line, column, what = int(match[1]), int(match[2]), match[3].strip()
-            near = _NEAR.fullmatch(what)
-            told = _sentence(near[1], near[2]) if near else _sentence(what, "")
-            return ParseProblem(file, told, line, column)
+            return _not_parsed(file, match)
         if match := _EXPRESSION.search(text):
             return ParseProblem(file, f"ill-formed path expression: {match[3]}")
     if problem := _not_utf8(file):
@@ -218,6 +210,13 @@ def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
         if "version" in text.lower():
             detail = "written by a version of USD that this one does not read"
     return Unreadable(file, "unreadable-file", f"USD cannot open it: {detail}")
+
+
+def _not_parsed(file: str, match: re.Match[str]) -> ParseProblem:
+    what = match[3].strip()
+    near = _NEAR.fullmatch(what)
+    told = _sentence(near[1], near[2]) if near else _sentence(what, "")
+    return ParseProblem(file, told, int(match[1]), int(match[2]))
 
 
 def _sentence(expected: str, near: str) -> str:

@@ -15,7 +15,7 @@ from .text import Texts, text_of
 
 
 def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
-    data = text_of(file)
+    data = text_of(texts.full_name(file))
     if data is None or b"pathExpression" not in data:
         return []
     text = texts.of_file(file)

@@ -9,6 +9,9 @@ from pxr import Sdf, Usd
 from ..model import Site
 from ..sites import find
 from ..usda import UsdaText
+from .packages import bytes_of, first_member, split_package
+
+_BINARY = (b"PXR-USDC", b"PK\x03\x04")
 
 
 class Texts:
@@ -16,12 +19,28 @@ class Texts:
 
     def __init__(self) -> None:
         self._known: dict[str, UsdaText | None] = {}
+        self._full_names: dict[str, str] = {}
 
     def of(self, layer: Sdf.Layer) -> UsdaText | None:
-        """None for a binary layer, a member of a package or a layer without a file."""
+        """None for a binary layer or one without a file."""
         return self.of_file(layer.realPath)
 
+    def file_of(self, layer: Sdf.Layer) -> str:
+        return self.full_name(layer.realPath or layer.identifier)
+
+    def full_name(self, file: str) -> str:
+        """`package.usdz[member]` for a package, which to USD is its first member."""
+        outermost = file.rstrip("]")
+        if not outermost.lower().endswith(".usdz"):
+            return file
+        if file not in self._full_names:
+            first = first_member(*split_package(file))
+            closing = file[len(outermost) :]
+            self._full_names[file] = f"{outermost}[{first}]{closing}" if first else file
+        return self._full_names[file]
+
     def of_file(self, file: str) -> UsdaText | None:
+        file = self.full_name(file)
         if file not in self._known:
             data = text_of(file)
             self._known[file] = None if data is None else UsdaText(data)
@@ -36,15 +55,16 @@ class Texts:
         return text.written_target(spot.path, spot.target)
 
 
-def text_of(file: str) -> bytes | None:
-    """The bytes of a usda layer: by what they are, for `.usd` may be text or crate."""
-    if not file:
-        return None
+def text_of(name: str) -> bytes | None:
+    """The bytes of a usda layer: by what they are, for `.usd` may be text or crate. The layer may be
+    a member of a package, also of one in a package."""
+    file, member = split_package(name)
     try:
         with Path(file).open("rb") as stream:
+            if member:
+                found = bytes_of(stream, member)
+                return None if found is None or found.startswith(_BINARY) else found
             head = stream.read(8)
-            if head.startswith((b"PXR-USDC", b"PK\x03\x04")):
-                return None
-            return head + stream.read()
+            return None if head.startswith(_BINARY) else head + stream.read()
     except OSError:
         return None
