@@ -454,10 +454,10 @@ class TestSyntax:
         assert finding.rule.id == "syntax-error"
         assert told(finding.location) == ("main.usda", 'def "Äö" { {b}')
 
-    def test_an_expression_is_at_its_value(self, shot: Shot) -> None:
+    def test_an_expression_is_where_it_breaks_off(self, shot: Shot) -> None:
         shot.write(main='def "A"\n{\n    pathExpression e = "//{"\n}\n')
         (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
-        assert told(finding.location) == ("main.usda", 'pathExpression e = {"//{"}')
+        assert told(finding.location) == ("main.usda", 'pathExpression e = "//{{"}')
 
 
 class TestFindings:

@@ -412,3 +412,83 @@ class TestPackages:
         assert scene.one("syntax-error", self.package(scene, **members)) == (
             f"p.usdz[{member}.usda]: {{w}}hat",
         )
+
+
+class TestExpressions:
+    """A pattern is at its own columns, however the expression is written. It has one line: what comes
+    after a line break is not read."""
+
+    WORLD = WORLD.replace("{\n    def", '{\n    def Sphere "ball"\n    {\n    }\n    def', 1)
+
+    def expression(self, written: str, more: str = "") -> str:
+        render_pass = (
+            '    def RenderPass "A"\n    {\n        rel renderSource = </Render/S>\n'
+            f"        pathExpression collection:prune:membershipExpression = {written}\n{more}    }}\n"
+        )
+        return spec(more=render_pass, world=self.WORLD)
+
+    @pytest.mark.parametrize(
+        ("written", "shown"),
+        [
+            ('"/World/no /World/ball"', '"{/World/no} /World/ball"'),
+            ('"/World/ball + /World/no//"', '"/World/ball + {/World/no//}"'),
+            ('"/World//{isa:Sphere} - /World/no"', '"/World//{isa:Sphere} - {/World/no}"'),
+            ('"/World/ball (/World/cam & /World/no)"', '"/World/ball (/World/cam & {/World/no})"'),
+            ('"/World/nobody ~/World/no"', '"{/World/nobody} ~/World/no"'),
+            ("'''/World/ball /World/no'''", "'''/World/ball {/World/no}'''"),
+            ('"/World/\\x62all /World/no"', '"/World/\\x62all {/World/no}"'),
+            ('"\\t/World/no\\t/World/ball"', '"\\t{/World/no}\\t/World/ball"'),
+        ],
+    )
+    def test_on_one_line(self, scene: Scene, written: str, shown: str) -> None:
+        scene.write(main=self.expression(written))
+        first = scene.all("unresolved-member")[0]
+        assert place(first.location).endswith(f"= {shown}")
+
+    def test_a_condition_is_read_as_usd_reads_it(self, scene: Scene) -> None:
+        scene.write(main=self.expression("\"/World/ball /World//{ isa:'Spher' }\""))
+        (found,) = scene.all("unknown-predicate")
+        assert found.location.span is not None
+        assert place(found.location).endswith("/World/ball {/World//{ isa:'Spher' }}\"")
+
+    def test_what_is_written_relative(self, scene: Scene) -> None:
+        scene.write(main=self.expression('"/World/ball World/geo//"'))
+        assert scene.one("relative-pattern")[0].endswith('"/World/ball {World/geo//}"')
+
+    def test_another_collection(self, scene: Scene) -> None:
+        scene.write(main=self.expression('"/World/ball %/World:no"'))
+        (found,) = scene.all("missing-included-collection")
+        assert place(found.location).endswith('"/World/ball {%/World:no}"')
+
+    def test_through_a_reference(self, scene: Scene) -> None:
+        """The layer knows the prim by another name."""
+        scene.write(
+            main=META + 'def "Render" (\n    references = @w.usda@</Show>\n)\n{\n}\n' + self.WORLD,
+            w='def "Show"\n{\n    def RenderPass "A"\n    {\n        rel renderSource = </Show/S>\n'
+            '        pathExpression collection:prune:membershipExpression = "/Show/S /Show/no"\n    }\n'
+            '    def RenderSettings "S"\n    {\n    }\n}\n',
+        )
+        (found,) = scene.all("unresolved-member")
+        assert place(found.location).endswith('= "/Show/S {/Show/no}"')
+
+    def test_a_weaker_one_that_a_stronger_one_takes_in(self, scene: Scene) -> None:
+        stronger = 'over "Render"\n{\n    over "A"\n    {\n        pathExpression collection:prune:membershipExpression = "%_ + /World/ball"\n    }\n}\n'
+        scene.write(
+            main='(\n    renderSettingsPrimPath = "/Render/S"\n    subLayers = [@w.usda@]\n)\n'
+            + stronger,
+            w=self.expression('"/World/no"'),
+        )
+        assert scene.one("unresolved-member")[0].startswith("w.usda: pathExpression")
+
+    @pytest.mark.parametrize(
+        ("written", "shown"),
+        [
+            ('"/World/ball $x"', '"/World/ball {$x}"'),
+            ('"/World/ball\\t-"', '"/World/ball\\t-{"}'),
+            ('"""\n        /World/ball"""', '{collection:prune:membershipExpression} = """'),
+        ],
+    )
+    def test_where_it_is_ill_formed(self, scene: Scene, written: str, shown: str) -> None:
+        scene.write(main=self.expression(written))
+        (found,) = scene.all("syntax-error")
+        assert place(found.location).endswith(shown)

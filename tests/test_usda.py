@@ -422,7 +422,7 @@ class TestExpressions:
 
     def test_value(self) -> None:
         (expression,) = UsdaText(body('pathExpression e = "/a"').encode()).expressions()
-        assert expression == Expression("/A.e", "/a", Span(4, 24, 28))
+        assert expression == Expression("/A.e", "/a", Span(4, 24, 28), (43, 47))
 
 
 def test_large_layer() -> None:

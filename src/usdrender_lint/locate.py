@@ -6,6 +6,7 @@ from pxr import Usd
 
 from .discover import Shown
 from .model import HasSite, Site
+from .read.expressions import broken_at
 from .read.packages import split_package
 from .read.text import Texts
 from .results import Located, Location, Place, Span
@@ -76,7 +77,11 @@ class Locator:
         if text is None:
             return self._in_file(file, None)
         if site.spec:  # an expression: its property is known
-            span = text.span(site.spec, "default")
+            start = broken_at(site.target) if site.target else None
+            span = (
+                None if start is None else text.in_expression(site.spec, site.target or "", start)
+            )
+            span = span or text.span(site.spec, "default")
             return self._in_file(file, span, text.line(span.line) if span else None)
         problem = self._unparsed[file]
         if not problem.line:

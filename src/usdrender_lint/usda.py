@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from .records import dataclass
 from .results import Span
 from .usda_lines import LINE_BREAK, Lines, Range
+from .usda_patterns import find_pattern
 
 if TYPE_CHECKING:
     from .usda_scan import Block, Scan, Statement
@@ -50,6 +51,8 @@ class Expression:
     """Of its attribute, in the layer's namespace."""
     text: str
     span: Span
+    string: Range
+    """With its quotes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -191,9 +194,8 @@ class UsdaText:
         declared = self._data[slice(*statement.type)] if statement.type else b""
         if statement.value and declared.partition(b"[")[0].strip() == b"pathExpression":
             for string in self._strings(statement.value):
-                span = self._span(string) or self._span(statement.name)
-                if span:
-                    yield Expression(path, self._string(string), span)
+                if span := self._span(string) or self._span(statement.name):
+                    yield Expression(path, self._string(string), span, string)
 
     def _strings(self, value: Range, depth: int = 2) -> Iterator[Range]:
         """The strings of a value: itself, in a list, in time samples, in lists in time samples."""
@@ -202,6 +204,30 @@ class UsdaText:
                 yield start, end
             elif self._data[start] in b"[{" and depth:
                 yield from self._strings((start + 1, end - 1), depth - 1)
+
+    def _patterns(self, value: Range, pattern: str, path: _Path) -> Iterator[Range]:
+        """One pattern of an expression."""
+        for string in self._strings(value):
+            if found := find_pattern(self._string(string), pattern, path.owner):
+                yield self._within(string, *found)
+
+    def in_expression(self, path: str, text: str, start: int) -> Span | None:
+        """What an expression says from one of its characters on, as far as the line goes; the mark
+        that ends it for the character behind its last."""
+        for expression in self.expressions():
+            if (expression.path, expression.text) == (path, text):
+                first, last = self._within(expression.string, start, len(text))
+                line_end = LINE_BREAK.search(self._data, first, last)
+                end = line_end.start() if line_end else last
+                return self._span((first, max(end, first + 1)))
+        return None
+
+    def _within(self, string: Range, start: int, end: int) -> Range:
+        """Of characters of a string, which may be escaped in the text."""
+        raw, text = self._scan.unquoted(string), self._string(string)
+        first = string[0] + (string[1] - string[0] - len(raw)) // 2
+        before, here = (len(_encoded(part)) for part in (text[:start], text[start:end]))
+        return first + _raw_offset(raw, before), first + _raw_offset(raw, before + here)
 
     # The ladder
 
@@ -252,6 +278,10 @@ class UsdaText:
             entry = self._targets_of(block, path).get(target)
             if entry:
                 yield entry
+        if target and field == "default":
+            for statement in statements:
+                if statement.value and not statement.suffix:
+                    yield from self._patterns(statement.value, target, path)
         if field:
             for statement in statements:
                 yield from self._in_statement(statement, path, field, target)
@@ -398,6 +428,17 @@ def _unescaped(string: bytes) -> bytes:
         return bytes((CONTROL.get(other[0], other[0]),))
 
     return ESCAPE.sub(one, string)
+
+
+def _raw_offset(raw: bytes, offset: int) -> int:
+    """Where a byte of a string stands in its text, in which some are escaped."""
+    at = plain = 0
+    for escape in ESCAPE.finditer(raw):
+        if plain + escape.start() - at >= offset:
+            break
+        plain += escape.start() - at + 1
+        at = escape.end()
+    return at + offset - plain
 
 
 def _decoded(text: bytes) -> str:

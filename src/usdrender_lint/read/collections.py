@@ -104,7 +104,7 @@ class _Reader:
             counts,
             problem,
             patterns,
-            tuple(self._others(site)),
+            tuple(self._others(site, specs)),
             tuple(_members(includes, patterns if counts else None)),
             (*includes.lost, *excludes.lost, *self._lost(site, specs)),
         )
@@ -118,12 +118,13 @@ class _Reader:
         return composed_tree(self.prim, self.name)
 
     def _patterns(self, site: Site, specs: list[Sdf.AttributeSpec]) -> Iterator[Pattern]:
-        whole = self._tree()
+        whole, written_at = self._tree(), self._written_at(site, specs)
         found = list(whole.patterns()) if whole else []
         relative: dict[str, str] | None = None
         for parsed, adds in found:
             text = _QUOTED.sub(r"\1", parsed.text)
-            start = self._start(parsed, replace(site, target=text))
+            at = written_at.get(parsed.text) or replace(site, target=text)
+            start = self._start(parsed, at)
             written = None
             if start.state is State.MISSING or self._is_own(parsed):
                 relative = self._relative(specs) if relative is None else relative
@@ -150,6 +151,19 @@ class _Reader:
         path = str(Sdf.Path(parsed.prefix).GetPrimPath())
         return member(self.prim.GetStage(), self.targets.one(path, site, ""))
 
+    def _written_at(self, at: Site, specs: list[Sdf.AttributeSpec]) -> dict[str, Site]:
+        """For each composed pattern the opinion that says it, in the words of its layer."""
+        found: dict[str, Site] = {}
+        for spec in specs:
+            written = tree(spec.default)
+            for parsed, _ in written.patterns() if written else ():
+                path = self._out_of(spec, parsed.prefix)
+                if not path.isEmpty:
+                    composed = str(path) + parsed.text.removeprefix(parsed.prefix)
+                    text = _QUOTED.sub(r"\1", parsed.text)
+                    found.setdefault(composed, _of_spec(at, spec, text))
+        return found
+
     def _is_own(self, parsed: Parsed) -> bool:
         return bool(Sdf.Path(parsed.prefix).HasPrefix(self.prim.GetPath()))
 
@@ -173,9 +187,7 @@ class _Reader:
                 continue
             for parsed, _ in whole.patterns():
                 if self._out_of(spec, parsed.prefix).isEmpty:
-                    site = replace(
-                        at, target=parsed.text, layer=spec.layer.identifier, spec=str(spec.path)
-                    )
+                    site = _of_spec(at, spec, parsed.text)
                     into = str(node.GetIntroPath())
                     yield Lost(parsed.text, site, into, spec.layer.identifier, arc_field(node))
 
@@ -210,7 +222,7 @@ class _Reader:
                 found[str(prefix) + parsed.text.removeprefix(parsed.prefix)] = as_written
         return found
 
-    def _others(self, site: Site) -> Iterator[OtherCollection]:
+    def _others(self, site: Site, specs: list[Sdf.AttributeSpec]) -> Iterator[OtherCollection]:
         prim = self.prim
         for path, name, include in taken_in(prim, self.name):
             if include:
@@ -220,12 +232,24 @@ class _Reader:
                 )
             else:
                 written = f"%{'' if path == str(prim.GetPath()) else path}:{name}"
-                at = replace(site, target=written)
+                at = self._taken_in_at(site, specs, path, name) or replace(site, target=written)
             there = prim.GetStage().GetPrimAtPath(path)
             gives = self._gives(path, name, by_include=bool(include))
             opinions = bool(there) and name in collection_names(there)
             applied = applied_collections(there) if there else ()
             yield OtherCollection(path, name, written, at, gives, applied, opinions)
+
+    def _taken_in_at(
+        self, at: Site, specs: list[Sdf.AttributeSpec], path: str, name: str
+    ) -> Site | None:
+        """The opinion whose expression takes in another collection, in the words of its layer."""
+        for spec in specs:
+            written = tree(spec.default)
+            for there, called in written.references() if written else ():
+                own = there or str(spec.path.GetPrimPath().StripAllVariantSelections())
+                if called == name and str(self._out_of(spec, own)) == path:
+                    return _of_spec(at, spec, f"%{there}:{called}")
+        return None
 
     def _gives(self, path: str, name: str, *, by_include: bool) -> Gives:
         there = self.prim.GetStage().GetPrimAtPath(path)
@@ -245,6 +269,10 @@ class _Reader:
         else:
             wrong = by_relationships
         return Gives.WRONG_MODE if wrong else Gives.MEMBERS
+
+
+def _of_spec(at: Site, spec: Sdf.AttributeSpec, text: str) -> Site:
+    return replace(at, target=text, layer=spec.layer.identifier, spec=str(spec.path))
 
 
 def _written_relative(text: str, anchor: Sdf.Path) -> Iterator[tuple[Parsed, str]]:

@@ -7,11 +7,15 @@ or line; in a sublayer the stage opens, nothing is said, and the value is empty 
 
 from __future__ import annotations
 
+import re
+
 from pxr import Sdf, Tf
 
 from ..model import Layer, Site
 from ..stage import sentences
 from .text import Texts, text_of
+
+_AT = re.compile(r"at character (\d+)(?: \(.*?\))?:\s*(.*)", re.DOTALL)
 
 
 def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
@@ -22,16 +26,31 @@ def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
     found = []
     for expression in text.expressions() if text else ():
         if problem := _problem(expression.text):
-            site = Site("/", "syntax", layer=file, spec=expression.path)
+            site = Site("/", "syntax", expression.text, file, expression.path)
             found.append(Layer(file, site, problem))
     return found
+
+
+def broken_at(text: str) -> int | None:
+    """The character of an ill-formed expression where it breaks off, from 0; None if USD does not
+    say."""
+    try:
+        Sdf.PathExpression(text)
+    except Tf.ErrorException as error:
+        if match := _AT.search("".join(sentences(error.args))):
+            return int(match[1]) - 1
+    return None
 
 
 def _problem(text: str) -> str | None:
     try:
         Sdf.PathExpression(text)
     except Tf.ErrorException as error:
-        what = "".join(sentences(error.args)).rpartition("at character ")[2].rstrip(": ")
-        where = f"at character {what}" if what else "USD takes only ASCII letters in it"
-        return f"ill-formed path expression {text!r}: {where}"
+        match = _AT.search("".join(sentences(error.args)))
+        if match is None:
+            return f"ill-formed path expression '{text}': USD takes only ASCII letters in it"
+        at_end = int(match[1]) > len(text)
+        where = "at its end" if at_end else f"at character {match[1]}"
+        why = match[2] or ("something is left open" if at_end else "")
+        return f"ill-formed path expression '{text}', {where}{': ' if why else ''}{why}"
     return None
