@@ -6,13 +6,11 @@ import sys
 from collections.abc import Callable, Sequence
 from io import StringIO
 from pathlib import Path
-from traceback import format_exc
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import __version__, options
-from .baseline import Baseline, BaselineError, load
 from .console import forget, printable, say, tell, terminal_width, use_color
 from .formats import FORMATS, Style, render
 from .lint import Config, lint
@@ -22,6 +20,9 @@ from .registry import UnknownRuleError, all_rules, select
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
+
+if TYPE_CHECKING:
+    from .baseline import Baseline
 
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
 INTERRUPTED, PIPE_CLOSED = 130, 141
@@ -59,6 +60,8 @@ def run(argv: Sequence[str]) -> int:
         forget(sys.stdout)
         return _failed(f"Error: {_reason(error)}\n")
     except Exception:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
+        from traceback import format_exc
+
         return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
 
 
@@ -262,11 +265,11 @@ def command(
     if update_baseline and (baseline is None or no_ignores):
         why = "needs --baseline FILE" if baseline is None else "and --no-ignores exclude each other"
         raise click.UsageError(f"--update-baseline {why}")
-    known = _known(baseline, may_be_missing=update_baseline) if baseline else Baseline({})
+    known = _known(baseline, may_be_missing=update_baseline) if baseline else None
     report = lint(paths, Config(selection, severity, renderer, variants, ignores=not no_ignores))
     _complain(report, color)
     written = True
-    if baseline and not no_ignores:
+    if baseline and known and not no_ignores:
         if update_baseline:
             known, written = _update(baseline, known, report, quiet)
         elif (gone := known.stale(report)) and not quiet:
@@ -285,6 +288,8 @@ def command(
 
 
 def _known(file: Path, *, may_be_missing: bool) -> Baseline:
+    from .baseline import Baseline, BaselineError, load
+
     try:
         return Baseline({}) if may_be_missing and not file.exists() else load(file)
     except BaselineError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import sys
 from contextlib import suppress
 from typing import TextIO
@@ -49,4 +48,6 @@ def use_color(asked: str | None, stream: TextIO | None = None) -> bool:
 
 
 def terminal_width() -> int:
+    import shutil
+
     return shutil.get_terminal_size().columns

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -56,6 +55,8 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
 def _failed(file: File, error: Exception) -> FileResult:
     what = f"{type(error).__name__}: {error}".splitlines()[0]
     message = f"linting it failed: {what}. This is a bug of usdrender-lint; -v tells where"
+    import traceback
+
     where = "".join(traceback.format_exception(error))
     return FileResult(problems=(Problem("crashed-lint", file.shown, message),), chatter=(where,))
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 
@@ -54,6 +53,8 @@ def _reason(error: OSError) -> str:
 
 
 def _replace(file: Path, data: bytes) -> None:
+    import tempfile
+
     handle, beside = tempfile.mkstemp(prefix=f".{file.name}.", dir=file.parent)
     try:
         with os.fdopen(handle, "wb") as stream:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import cache
@@ -19,6 +18,8 @@ class UnknownRuleError(Exception):
     """A selector names no rule and no group."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
+        import difflib
+
         close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
         hint = f": did you mean {close[0]!r}?" if close else "; --list-rules shows them all"
         super().__init__(f"unknown rule {name!r}{hint}")

@@ -6,7 +6,6 @@ Every reporter, the exit code and the language of the summary are functions of a
 from __future__ import annotations
 
 import builtins
-import hashlib
 from dataclasses import field
 from enum import StrEnum
 
@@ -106,6 +105,8 @@ class Located:
         if self.location.member:
             path = f"{path}[{self.location.member}]"
         parts = (self.rule.id, path, self.prim_path, self.property or "", self.target or "")
+        import hashlib
+
         return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 

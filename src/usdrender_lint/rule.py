@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Iterator
 from dataclasses import field
 from enum import StrEnum
@@ -158,7 +157,7 @@ def rule(
     """Turn a function into a `Rule`. Nothing is registered: see `registry`."""
 
     def decorate(check: Callable[[S, Context], Iterator[Finding]]) -> Rule[S]:
-        summary = (inspect.getdoc(check) or "").partition("\n")[0]
+        summary = (check.__doc__ or "").strip().partition("\n")[0].rstrip()
         return Rule(
             id,
             on,

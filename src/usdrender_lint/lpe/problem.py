@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import re
 
 from ..records import dataclass
@@ -111,6 +110,8 @@ def unknown_prefix(name: str, dialect: Dialect) -> str:
 
 def nearest(name: str, known: frozenset[str] | set[str]) -> str:
     """The one most like it, or nothing. The time `difflib` takes grows with the square."""
+    import difflib
+
     return next(iter(difflib.get_close_matches(name[:99], sorted(known), n=1)), "")
 
 

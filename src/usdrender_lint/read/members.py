@@ -7,7 +7,6 @@ their prim, so that USD can evaluate them.
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from dataclasses import fields
 
@@ -142,6 +141,8 @@ def member(stage: Usd.Stage, target: Target) -> Member:
 
 def _candidates(above: Usd.Prim, path: Sdf.Path) -> Iterator[Candidate]:
     """Children of the prim above that may have been meant, best first."""
+    import difflib
+
     wanted = path.MakeRelativePath(above.GetPath()).GetPrefixes()[0].name
 
     def unlikeness(name: str) -> tuple[float, str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterator
 from functools import cache
 from typing import Any
@@ -109,6 +108,8 @@ def _meant(name: str, call: Any) -> str | None:
         for kind in (bare, bare[:1].upper() + bare[1:]):
             if _schema_type(kind):
                 return f"isa:{kind}"
+    import difflib
+
     best = difflib.get_close_matches(name, KNOWN, 1, 0.7)
     return best[0] if best else None
 
@@ -123,6 +124,8 @@ def _type_meant(name: str, wanted: str) -> str | None:
         return f"{name}:{registry.GetSchemaTypeName(known)}"
     if name == "isa" and _schema_type(f"{wanted}API"):
         return f"hasAPI:{wanted}API"
+    import difflib
+
     near = difflib.get_close_matches(wanted.lower(), _types_by_lower_case(), 1, 0.8)
     return f"{name}:{_types_by_lower_case()[near[0]]}" if near else None
 

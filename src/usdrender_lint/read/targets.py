@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Iterator
 
 from pxr import Pcp, Sdf, Tf, Usd
@@ -403,4 +402,6 @@ def _likeness(name: str, path: str, candidate: Candidate) -> float:
 
 
 def similarity(one: str, other: str) -> float:
+    import difflib
+
     return difflib.SequenceMatcher(None, one.lower(), other.lower()).ratio()

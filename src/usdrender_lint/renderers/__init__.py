@@ -34,11 +34,10 @@ One TOML file a renderer. What `any` accepts, all accept. All keys but `title` a
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Callable, Iterable
 from fnmatch import translate
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 from ..model import Evidence
@@ -49,16 +48,17 @@ ANY = "any"
 
 @cache
 def _tables() -> dict[str, dict[str, Any]]:
-    here = files(__name__)
-    found = (f for f in here.iterdir() if f.name.endswith(".toml"))
-    return {
-        f.name.removesuffix(".toml"): tomllib.loads(f.read_text("utf-8"))
-        for f in sorted(found, key=lambda f: f.name)
-    }
+    import tomllib
+
+    return {file.stem: tomllib.loads(file.read_text("utf-8")) for file in _files()}
+
+
+def _files() -> list[Path]:
+    return sorted(Path(__file__).parent.glob("*.toml"))
 
 
 def names() -> list[str]:
-    return list(_tables())
+    return [file.stem for file in _files()]
 
 
 @cache

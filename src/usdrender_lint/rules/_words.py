@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable, Sequence
 
 from ..model import Target
@@ -34,6 +33,8 @@ def paths(found: Iterable[str], most: int = 4) -> str:
 
 
 def likeness(one: str, other: str) -> float:
+    import difflib
+
     return difflib.SequenceMatcher(None, one.lower(), other.lower()).ratio()
 
 
