@@ -543,6 +543,24 @@ def test_a_package_that_cannot_be_read_keeps_its_results(
 # What results refer to.
 
 
+def test_no_more_results_than_github_takes_and_the_worst_of_them(
+    report: Report, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = run_of(report)["results"]
+    monkeypatch.setattr(sarif, "MAX_RESULTS", 3)
+    run = run_of(report)
+
+    ranks = {"error": 0, "warning": 1, "note": 2}
+    levels = sorted((result["level"] for result in whole), key=ranks.__getitem__)
+    assert sorted((r["level"] for r in run["results"]), key=ranks.__getitem__) == levels[:3]
+    messages = [result["message"]["text"] for result in whole]
+    places = [messages.index(result["message"]["text"]) for result in run["results"]]
+    assert places == sorted(places)
+    (told,) = run["invocations"][0]["toolExecutionNotifications"]
+    assert told["level"] == "warning"
+    assert f"{len(whole) - 3} results are left out" in told["message"]["text"]
+
+
 def test_uris(report: Report, show: Show) -> None:
     run = run_of(report)
     uris = {entry["uri"]: entry for entry in every(run, "artifactLocation")}

@@ -33,6 +33,8 @@ ROOT = "%SRCROOT%"
 ABOVE = "%ABOVE{}%"
 """The folder so many levels above the root. For files outside of the repository: the standard wants
 `..` resolved, and GitHub refuses a whole upload for one result with an absolute address."""
+MAX_RESULTS = 25_000
+"""GitHub refuses the whole upload for one more, and shows the 5,000 worst."""
 MAX_DESCRIPTION = 1024
 """GitHub refuses the whole upload for one longer description."""
 
@@ -58,11 +60,12 @@ def render(report: Report, pages: Mapping[str, str]) -> str:
 
 
 def _run(report: Report, pages: Mapping[str, str]) -> Json:
-    alerts = _alerts(report.findings)
+    every = _alerts(report.findings)
+    alerts = _worst(every)
     tables = _tables(report, alerts)
     return {
         "tool": {"driver": _driver(report, pages)},
-        "invocations": [_invocation(report, tables)],
+        "invocations": [_invocation(report, tables, left_out=len(every) - len(alerts))],
         "originalUriBaseIds": dict(_bases(report, tables)),
         "artifacts": [*_artifacts(report, tables), *_members(report, tables)],
         "logicalLocations": _logical_locations(tables),
@@ -84,6 +87,14 @@ def _alerts(findings: Iterable[Located]) -> list[Alert]:
         place = _line(finding.location) or finding.fingerprint
         alerts[finding.rule.id, finding.location.path, place].append(finding)
     return [sorted(alert, key=lambda finding: finding.severity.rank) for alert in alerts.values()]
+
+
+def _worst(alerts: list[Alert]) -> list[Alert]:
+    """As many as may be told, in their order."""
+    if len(alerts) <= MAX_RESULTS:
+        return alerts
+    ranked = sorted(range(len(alerts)), key=lambda i: (alerts[i][0].severity.rank, i))
+    return [alerts[i] for i in sorted(ranked[:MAX_RESULTS])]
 
 
 def _line(location: Location) -> int | None:
@@ -191,7 +202,7 @@ def _cut(text: str) -> str:
     return text[: MAX_DESCRIPTION - 1].rpartition(" ")[0] + "…"
 
 
-def _invocation(report: Report, tables: _Tables) -> Json:
+def _invocation(report: Report, tables: _Tables, left_out: int) -> Json:
     """A notification of level error means by the standard that the run failed."""
     kinds = _kinds(report)
     return {
@@ -205,9 +216,17 @@ def _invocation(report: Report, tables: _Tables) -> Json:
                 **_associated_rule(problem, tables),
             }
             for problem in report.problems
-        ],
+        ]
+        + _left_out(left_out),
         **_skipped_rules(report, len(kinds)),
     }
+
+
+def _left_out(count: int) -> list[Json]:
+    if not count:
+        return []
+    text = f"{count:,} results are left out: a run may hold {MAX_RESULTS:,}, the worst are here."
+    return [{"level": "warning", "message": {"text": text}}]
 
 
 def _skipped_rules(report: Report, descriptor: int) -> Json:
