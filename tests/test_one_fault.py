@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from usdrender_lint.lint import lint
+from usdrender_lint.renderers import renderer
 from usdrender_lint.testing import lint_files
 
 META = '(\n    renderSettingsPrimPath = "/Render/S"\n)\n'
@@ -352,3 +353,168 @@ def test_text_that_is_not_utf8_is_told_at_its_byte(tmp_path: Path) -> None:
     assert finding.rule.id == "syntax-error"
     assert finding.location.span is not None
     assert finding.location.span.line == 4
+
+
+# 10. What only follows from a fault is not told beside it, and a second fault is.
+
+
+CAMERA = "rel camera = </World/cam>\n        rel products = </Render/P>"
+PRODUCT = 'token productName = "/out/a.exr"\n        rel orderedVars = </Render/v>'
+GEO = WORLD.replace("def Camera", 'def Mesh "geo" {}\n    def Camera')
+PASS = '    def RenderPass "A"\n    {\n        rel renderSource = </Render/S>\n    }\n'
+
+
+@pytest.mark.parametrize("second", ["/World/none", "/World/geo", "/World/cam2"])
+def test_a_second_camera_is_too_many_whatever_it_is(second: str) -> None:
+    """Nothing depends on it: the first one is rendered."""
+    settings = f"rel camera = [</World/cam>, <{second}>]\n        rel products = </Render/P>"
+    assert found(stage(settings, world=GEO)) == ["multiple-cameras"]
+
+
+def test_a_broken_first_camera_is_told_beside_the_second() -> None:
+    settings = "rel camera = [</World/no>, </World/cam>]\n        rel products = </Render/P>"
+    assert sorted(found(stage(settings))) == ["multiple-cameras", "unresolved-target"]
+
+
+def test_a_second_render_source_is_too_many_whatever_it_is() -> None:
+    more = PASS.replace("= </Render/S>", "= [</Render/S>, </Render/No>]")
+    assert found(stage(more=more)) == ["multiple-render-sources"]
+
+
+def test_a_name_on_the_settings_is_missing_on_their_product() -> None:
+    settings = f'{CAMERA}\n        token productName = "/out/a.exr"'
+    assert found(stage(settings, product="rel orderedVars = </Render/v>")) == ["misplaced-property"]
+
+
+def test_a_list_on_the_settings_is_missing_on_their_product() -> None:
+    settings = f"{CAMERA}\n        rel orderedVars = </Render/v>"
+    main = stage(settings, product='token productName = "/out/a.exr"')
+    assert found(main) == ["misplaced-property"]
+
+
+def test_one_misplaced_name_does_not_name_two_products() -> None:
+    settings = 'rel camera = </World/cam>\n        rel products = [</Render/P>, </Render/Q>]\n        token productName = "/out/a.exr"'
+    second = '    def RenderProduct "Q"\n    {\n        rel orderedVars = </Render/v>\n    }\n'
+    told = found(stage(settings, product="rel orderedVars = </Render/v>", more=second))
+    assert sorted(told) == ["empty-product-name", "empty-product-name", "misplaced-property"]
+
+
+def test_a_misplaced_property_hides_no_other_fault_of_the_product() -> None:
+    settings = f'{CAMERA}\n        token productName = "/out/a.exr"'
+    main = stage(settings, product="rel orderedVars = </Render/no>")
+    assert sorted(found(main)) == ["misplaced-property", "unresolved-target"]
+
+
+def test_settings_that_are_the_default_and_a_source_are_inactive_once() -> None:
+    main = stage(more=PASS, on_settings="(\n        active = false\n    )")
+    assert found(main) == ["default-settings-not-live"]
+
+
+def test_another_dead_target_is_told_beside_inactive_default_settings() -> None:
+    dead = '    def RenderSettings "T" (\n        active = false\n    )\n    {\n    }\n'
+    more = dead + PASS.replace("/Render/S", "/Render/T")
+    main = stage(more=more, on_settings="(\n        active = false\n    )")
+    assert sorted(found(main)) == ["dead-target", "default-settings-not-live"]
+
+
+def test_where_the_default_settings_are_missing_there_are_none() -> None:
+    main = stage().replace('def RenderSettings "S"', 'def Scope "T"').replace(CAMERA, "")
+    assert found(main) == ["default-settings-unresolved"]
+
+
+def test_samples_without_a_default_leave_a_source_without_a_name() -> None:
+    assert found(stage(var='string sourceName.timeSamples = { 1: "Ci" }')) == ["animated-uniform"]
+
+
+def test_animating_one_attribute_does_not_hide_that_another_is_empty() -> None:
+    var = 'token dataType.timeSamples = { 1: "color3f" }'
+    assert sorted(found(stage(var=var))) == ["animated-uniform", "empty-source-name"]
+
+
+def test_a_blank_at_the_end_is_no_extension() -> None:
+    product = PRODUCT.replace("a.exr", "a.exr ")
+    assert found(stage(product=product)) == ["nonportable-product-name"]
+
+
+def test_a_blank_at_the_end_does_not_hide_the_extension() -> None:
+    product = PRODUCT.replace("a.exr", "a.xyz ")
+    assert sorted(found(stage(product=product))) == [
+        "nonportable-product-name",
+        "unsupported-extension",
+    ]
+
+
+def test_a_default_in_two_sublayers_is_missing_once() -> None:
+    main = stage().replace(META, "(\n    subLayers = [@./one.usda@, @./two.usda@]\n)\n")
+    assert found(main, one=META, two=META) == ["default-settings-in-sublayer"]
+
+
+def test_inherits_that_lead_back_are_one_cycle() -> None:
+    def prim(name: str, other: str) -> str:
+        return f'    def "{name}" (\n        inherits = </Render/{other}>\n    )\n    {{\n    }}\n'
+
+    assert found(stage(more=prim("a", "b") + prim("b", "a"))) == ["composition-error"]
+    two = prim("a", "b") + prim("b", "a") + prim("c", "d") + prim("d", "c")
+    assert found(stage(more=two)) == ["composition-error", "composition-error"]
+
+
+def test_a_cycle_of_sublayers_is_shown_where_it_closes() -> None:
+    main = stage().replace(META, META.replace(")\n", "    subLayers = [@./one.usda@]\n)\n"))
+    one = "(\n    subLayers = [@./two.usda@]\n)\n"
+    two = "(\n    subLayers = [@./one.usda@]\n)\n"
+    files = {"main.usda": main, "one.usda": f"#usda 1.0\n{one}", "two.usda": f"#usda 1.0\n{two}"}
+    _, marks = lint_files(files)
+    assert [(m.rule, m.file, m.line) for m in marks] == [("composition-error", "two.usda", 3)]
+
+
+def test_settings_that_nobody_uses_and_that_share_a_product_are_told_once() -> None:
+    other = f'    def RenderSettings "A"\n    {{\n        {CAMERA}\n    }}\n'
+    assert found(stage(more=other)) == ["shared-product"]
+
+
+def test_vars_in_a_library_of_their_own_are_told_once() -> None:
+    main = '#usda 1.0\ndef Scope "Vars"\n{\n    def RenderVar "A"\n    {\n        string sourceName = "Ci"\n    }\n}\n'
+    assert found(main) == ["outside-render-scope"]
+
+
+@pytest.mark.parametrize(
+    ("settings", "told"),
+    [
+        ("rel resolution = </World>", ["kind-mismatch"]),
+        ("int2 resoluton = (2, 2)", ["misspelled-property"]),
+        (
+            'uniform token[] materialBindingPurposes = ["default", "full"]',
+            ["unknown-material-purpose"],
+        ),
+        (
+            'uniform token[] materialBindingPurposes = ["full", "preview"]',
+            ["many-material-purposes"],
+        ),
+        (
+            'uniform token[] materialBindingPurposes = ["full", "preview", "x"]',
+            ["many-material-purposes", "unknown-material-purpose"],
+        ),
+        ("float2 resolution = (2, 2)", ["type-mismatch"]),
+    ],
+)
+def test_rules_that_must_be_selected_do_not_repeat_others(settings: str, told: list[str]) -> None:
+    rules = (
+        "default",
+        "default-resolution",
+        "many-material-purposes",
+        "no-all-purpose-fallback",
+        "variability-mismatch",
+    )
+    main = stage(f"{CAMERA}\n        {settings}", var='uniform string sourceName = "Ci"')
+    report, marks = lint_files({"main.usda": main}, rules=rules)
+    assert report.problems == ()
+    assert sorted({m.rule for m in marks} - {"default-resolution"}) == told
+    assert ("default-resolution" in {m.rule for m in marks}) == ("resol" not in settings)
+
+
+def test_a_rule_that_is_off_for_a_renderer_takes_nothing_away() -> None:
+    """MoonRay needs no sourceName; but that it is blocked is told then."""
+    assert renderer("moonray").severities["empty-source-name"] is None
+    main = stage(var="string sourceName = None")
+    _, marks = lint_files({"main.usda": main}, renderer="moonray")
+    assert [m.rule for m in marks] == ["blocked-value"]

@@ -29,6 +29,7 @@ class Entry(NamedTuple):
 
     layer: str
     prim: str
+    """As the layer names it, like the target."""
     property: str
     """Empty for none, as is the target."""
     target: str
@@ -98,14 +99,7 @@ class Baseline:
 
 
 def _entry(finding: Located) -> Entry:
-    at = finding.location
-    return Entry(
-        f"{at.path}[{at.member}]" if at.member else at.path,
-        finding.prim_path,
-        finding.property or "",
-        finding.target or "",
-        finding.rule.id,
-    )
+    return Entry(*finding.known_by)
 
 
 def _file(entry: Entry) -> str:

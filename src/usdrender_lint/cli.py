@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import __version__, options
-from .console import forget, printable, say, tell, terminal_width, use_color
+from .console import forget, say, tell, terminal_width, use_color
 from .formats import FORMATS, Style, render
 from .lint import Config, lint
 from .output import OutputError, write_file, write_out
 from .pages import page_text
+from .printable import escaped
 from .registry import UnknownRuleError, all_rules, select
 from .renderers import names as renderer_names
 from .results import Report
@@ -293,7 +294,7 @@ def _known(file: Path, *, may_be_missing: bool) -> Baseline:
     try:
         return Baseline({}) if may_be_missing and not file.exists() else load(file)
     except BaselineError as error:
-        raise click.ClickException(printable(str(error))) from None
+        raise click.ClickException(escaped(str(error))) from None
 
 
 def _update(file: Path, known: Baseline, report: Report, quiet: bool) -> tuple[Baseline, bool]:

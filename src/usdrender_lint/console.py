@@ -7,6 +7,8 @@ import sys
 from contextlib import suppress
 from typing import TextIO
 
+from .printable import escaped
+
 
 def say(text: str) -> None:
     """On standard error, as far as that can be written: the exit code says it, too."""
@@ -25,13 +27,7 @@ def forget(stream: TextIO) -> None:
 
 
 def tell(sentence: str) -> None:
-    say(f"{printable(sentence)}\n")
-
-
-def printable(text: str) -> str:
-    from .report.full import escaped
-
-    return escaped(text)
+    say(f"{escaped(sentence)}\n")
 
 
 def use_color(asked: str | None, stream: TextIO | None = None) -> bool:

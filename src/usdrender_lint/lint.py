@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from pathlib import Path
 
@@ -16,6 +17,9 @@ from .results import Located, Problem, RendererChoice, Report, Verdict
 from .rule import Context, Severity
 from .run import Crash
 from .suppress import Ignore, Key, findings_of
+
+NAMED = 3
+"""Prims that a message lists beside its own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,11 +120,38 @@ def crashed_rule(root: str, crash: Crash) -> Problem:
 
 
 def _merge(findings: Iterable[Located]) -> tuple[Located, ...]:
-    """Equal findings of several stages are one that says where it holds."""
+    """Equal findings of several stages are one that says where it holds, and so are those that one
+    opinion gives to several prims."""
     merged: dict[tuple[object, ...], Located] = {}
     for finding in findings:
         known = merged.get(finding.identity)
         if known is not None:
             finding = replace(known, roots=tuple(sorted({*known.roots, *finding.roots})))
         merged[finding.identity] = finding
-    return tuple(sorted(merged.values(), key=lambda f: f.sort_key))
+    return tuple(_numbered(sorted(_shared(merged.values()), key=lambda f: f.sort_key)))
+
+
+def _shared(findings: Iterable[Located]) -> Iterator[Located]:
+    sharing: dict[tuple[object, ...], list[Located]] = {}
+    for finding in findings:
+        sharing.setdefault(finding.shared_with, []).append(finding)
+    for shared in sharing.values():
+        first, *others = sorted(shared, key=lambda f: f.sort_key)
+        also = tuple(sorted({f.prim_path for f in others} - {first.prim_path}))
+        roots = tuple(sorted({root for f in shared for root in f.roots}))
+        yield replace(first, message=f"{first.message}{_also(also)}", also=also, roots=roots)
+
+
+def _also(prims: tuple[str, ...]) -> str:
+    if not prims:
+        return ""
+    named = ", ".join(f"<{path}>" for path in prims[:NAMED])
+    return f" (also for {named}{f' and {len(prims) - NAMED} more' if len(prims) > NAMED else ''})"
+
+
+def _numbered(findings: Iterable[Located]) -> Iterator[Located]:
+    """A rule may say two things of one property: each is known by a fingerprint of its own."""
+    seen: Counter[tuple[str, ...]] = Counter()
+    for finding in findings:
+        seen[finding.known_by] += 1
+        yield replace(finding, nth=seen[finding.known_by])

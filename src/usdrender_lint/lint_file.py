@@ -22,8 +22,8 @@ from .read.variants import VariantSet, selecting, variant_sets
 from .records import dataclass
 from .renderers import ANY, choose, renderer
 from .results import Located, Problem, RendererChoice
-from .rule import AnyRule, Context, Renderer
-from .run import Crash, Subject, run, subjects_of
+from .rule import AnyRule, Context, Renderer, Severity
+from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import (
     Diagnostics,
@@ -198,20 +198,23 @@ class _File:
         selection = self._config.selection
         rules = [r for r in selection.run if not r.renderers or chosen.name in r.renderers]
         told, crashes = run(rules, subjects, Context(chosen))
-        told = unique(told)
+        told = [t for t in unique(told) if self._severity(t, chosen) is not None]
         settled = settle(told)
         kept = {id(one) for one in settled}
         found = []
         # What another finding explains away comes back with the next change: its suppression is no
         # idle one.
         for one in told if self._judges_suppressions else settled:
-            severity = severity_of(one.rule, one.finding, chosen, self._config.severities)
+            severity = self._severity(one, chosen)
             if severity is not None and one.rule.id in selection.told:
                 judged = self._ignores.judge(locator.locate(one, severity))
                 if id(one) in kept:
                     found.append(judged)
         self._ran.update(r.id for r in rules if r.id in selection.told and self._speaks(r, chosen))
         return tuple(found), crashes
+
+    def _severity(self, told: Told, chosen: Renderer) -> Severity | None:
+        return severity_of(told.rule, told.finding, chosen, self._config.severities)
 
     def _speaks(self, rule: AnyRule, chosen: Renderer) -> bool:
         severity = chosen.severities.get(rule.id, rule.severity)

@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import re
+
 from pxr import Usd
 
 from .discover import Shown
 from .model import HasSite, Site
+from .printable import escaped
 from .read.expressions import broken_at
 from .read.packages import split_package
 from .read.text import Texts
-from .results import Located, Location, Place, Span
+from .results import Located, Location, Opinion, Place, Span
 from .rule import AnyRule, Finding, Renderer, Severity
 from .run import Told
-from .sites import Spot, find
+from .sites import Spot, Translation, find, into_layer
 from .stage import ParseProblem
 
 SYNTAX = "syntax"
 """Field of a site that means the place where a layer stops being usda."""
+
+_PATH = re.compile(r"<(/[\w/.:]+)>")
+"""As messages write that of a prim or a property."""
 
 
 class Locator:
@@ -39,30 +45,53 @@ class Locator:
 
     def locate(self, told: Told, severity: Severity) -> Located:
         finding, site = told.finding, told.finding.at.site
+        message = escaped(finding.message)
+        spot = self._spot(site)
         return Located(
             told.rule,
             severity,
-            finding.message,
-            finding.label,
-            finding.help,
-            self.location(site),
+            message,
+            escaped(finding.label),
+            escaped(finding.help),
+            self._location(site, spot),
             site.prim_path,
             site.property_name,
             site.target,
             tuple(self._place(at, text) for at, text in finding.related),
             (self._root,),
+            opinion=self._opinion(site, spot, message),
         )
+
+    def _opinion(self, site: Site, spot: Spot | None, message: str) -> Opinion | None:
+        if self._stage is None or spot is None:
+            return None
+        translate = into_layer(self._stage, site, spot)
+        if translate is None:
+            return None
+        path, target = translate(site.prim_path), spot.target or site.target
+        if (path, target) == (site.prim_path, site.target):
+            return None
+        return Opinion(path, target, _translated(message, translate))
 
     def _place(self, at: HasSite, text: str) -> Place:
         site = at.site
-        return Place(text, self.location(site), site.prim_path, site.property_name)
+        return Place(escaped(text), self.location(site), site.prim_path, site.property_name)
 
     def location(self, site: Site) -> Location:
+        return self._location(site, self._spot(site))
+
+    def _location(self, site: Site, spot: Spot | None) -> Location:
+        if spot is not None:
+            return self._spot_location(spot)
         if site.field == SYNTAX and site.layer is not None:
             return self._parse_location(site.layer, site)
-        if self._stage is None:
-            return self._in_file(site.layer or "", None)
-        return self._spot_location(find(self._stage, site))
+        return self._in_file(site.layer or "", None)
+
+    def _spot(self, site: Site) -> Spot | None:
+        """None where there is no stage, or a text that USD could not read."""
+        if self._stage is None or (site.field == SYNTAX and site.layer is not None):
+            return None
+        return find(self._stage, site)
 
     def _spot_location(self, spot: Spot) -> Location:
         if spot.layer.anonymous:  # its name would be an address in memory
@@ -94,6 +123,10 @@ class Locator:
     def _in_file(self, file: str, span: Span | None, source: str | None = None) -> Location:
         file, member = split_package(self._texts.full_name(file))
         return Location(file, self._shown(file), member, span, source)
+
+
+def _translated(message: str, translate: Translation) -> str:
+    return _PATH.sub(lambda found: f"<{translate(found[1])}>", message)
 
 
 def severity_of(

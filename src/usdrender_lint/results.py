@@ -58,6 +58,16 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
+class Opinion:
+    """What a finding is about as its layer has it: alike for all prims that share the opinion."""
+
+    path: str
+    """Of the prim, in the namespace of the layer."""
+    target: str | None
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
 class Located:
     """A finding that knows its rule, its severity and its place."""
 
@@ -77,6 +87,12 @@ class Located:
     variants: tuple[tuple[str, tuple[str, ...]], ...] = ()
     """`/Render{quality}` and the variants of that set in which it holds; empty: in all that were linted."""
     verdict: Verdict = Verdict.REPORTED
+    opinion: Opinion | None = None
+    """Where a reference, a class or another arc brings it in under another path."""
+    also: tuple[str, ...] = ()
+    """Further prims that share the opinion, and so the fault, sorted."""
+    nth: int = 1
+    """Of several findings that nothing but their words tells apart."""
 
     @builtins.property
     def sort_key(self) -> tuple[object, ...]:
@@ -99,14 +115,42 @@ class Located:
         return (*self.sort_key, self.severity, self.verdict)
 
     @builtins.property
+    def layer(self) -> str:
+        """The layer as shown; a member of a package as USD writes it."""
+        at = self.location
+        return f"{at.path}[{at.member}]" if at.member else at.path
+
+    @builtins.property
+    def written(self) -> Opinion:
+        """What is wrong, in the namespace of its layer: it does not change with who uses it."""
+        return self.opinion or Opinion(self.prim_path, self.target, self.message)
+
+    @builtins.property
+    def shared_with(self) -> tuple[object, ...]:
+        """Equal for what one opinion does to several prims."""
+        return (
+            self.rule.id,
+            self.location,
+            self.written,
+            self.property,
+            self.severity,
+            self.verdict,
+            self.variants,
+        )
+
+    @builtins.property
+    def known_by(self) -> tuple[str, str, str, str, str]:
+        """Layer, prim, property, target and rule: what stays while lines and words change."""
+        at = self.written
+        return self.layer, at.path, self.property or "", at.target or "", self.rule.id
+
+    @builtins.property
     def fingerprint(self) -> str:
         """16 hex digits that survive edits elsewhere in the file: no line, no time."""
-        path = self.location.path
-        if self.location.member:
-            path = f"{path}[{self.location.member}]"
-        parts = (self.rule.id, path, self.prim_path, self.property or "", self.target or "")
         import hashlib
 
+        layer, prim, name, target, rule = self.known_by
+        parts = (rule, layer, prim, name, target, *([str(self.nth)] if self.nth > 1 else []))
         return hashlib.sha256("\0".join(parts).encode("utf-8", "surrogatepass")).hexdigest()[:16]
 
 

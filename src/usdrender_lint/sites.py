@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from pxr import Pcp, Sdf, Usd
 
@@ -18,6 +18,10 @@ class Spot:
     path: str
     field: str | None = None
     target: str | None = None
+
+
+Translation = Callable[[str], str]
+"""Of a composed path to that in the namespace of a layer; what does not stand there stays as it is."""
 
 
 def find(stage: Usd.Stage, site: Site) -> Spot:
@@ -126,3 +130,51 @@ def out_of_namespace_of(prim: Usd.Prim, spec: Sdf.Spec, target: Sdf.Path) -> Sdf
     if node is None or node.IsRootNode():
         return target
     return node.mapToRoot.MapSourceToTarget(target)
+
+
+def into_layer(stage: Usd.Stage, site: Site, spot: Spot) -> Translation | None:
+    """From composed paths to those of the layer that brings the opinion in by a reference, a class
+    or another arc; None where it brings them in under the same paths."""
+    if spot.path == "/":
+        return None
+    at = Sdf.Path(spot.path).GetPrimOrPrimVariantSelectionPath()
+    path = Sdf.Path(site.prim_path)
+    while path.IsPrimPath():
+        prim = stage.GetPrimAtPath(path)
+        spec = spot.layer.GetPrimAtPath(at)
+        if prim and spec and (node := node_of(prim, spec)):
+            return _translation(prim, node)
+        path = path.GetParentPath()
+    return None
+
+
+def _translation(prim: Usd.Prim, node: Pcp.NodeRef) -> Translation | None:
+    if node.IsRootNode():
+        return None
+    function = node.mapToRoot
+    instance, indexed = _instance_and_index(prim, node)
+
+    def translate(path: str) -> str:
+        composed = Sdf.Path(path)
+        if instance is not None:
+            composed = composed.ReplacePrefix(instance, indexed)
+        written = function.MapTargetToSource(composed)
+        return path if written.isEmpty else str(written)
+
+    return translate
+
+
+def _instance_and_index(
+    prim: Usd.Prim, node: Pcp.NodeRef
+) -> tuple[Sdf.Path | None, Sdf.Path | None]:
+    """What stands in an instance is indexed below one of the instances that share it, which need not
+    be the one that is asked about: both paths, or none."""
+    if not prim.IsInstanceProxy():
+        return None, None
+    instance, depth = prim, 0
+    while not instance.IsInstance():
+        instance, depth = instance.GetParent(), depth + 1
+    indexed = node.mapToRoot.MapSourceToTarget(node.path)
+    for _ in range(depth):
+        indexed = indexed.GetParentPath()
+    return instance.GetPath(), indexed

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..printable import escaped
 from ..results import Located, Report
-from .full import BOLD, SEVERITY_SGR, Ink, escaped, position, shown, spec, summary, variants_shown
+from .full import BOLD, SEVERITY_SGR, Ink, position, shown, spec, summary, variants_shown
 
 
 def render(

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path, PurePath
 
+from ..printable import escaped
 from ..records import dataclass
 from ..results import Located, Location, Place, Problem, Report, Span
 from ..rule import Severity
@@ -95,11 +96,6 @@ def problems(report: Report, color: bool) -> str:
         f"{': '.join((error, *map(escaped, filter(None, (p.path, p.message)))))}\n"
         for p in report.problems
     )
-
-
-def escaped(text: str) -> str:
-    r"""Text that a terminal only shows: what is not printable becomes `\x1b`, `\n`, `\u202e`."""
-    return text if text.isprintable() else "".join(map(_visible, text))
 
 
 def shown(location: Location, base: Path | None = None) -> str:
@@ -274,10 +270,6 @@ def _window(source: str, first: int, last: int, room: int) -> tuple[int, int]:
 def _drawn(source: str) -> str:
     """A piece of a source line as the terminal gets it."""
     return source if source.isprintable() else escaped(source.replace("\t", TAB))
-
-
-def _visible(char: str) -> str:
-    return char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
 
 
 def _cells(text: str) -> int:

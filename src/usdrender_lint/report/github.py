@@ -8,11 +8,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from ..printable import escaped
 from ..results import Located, Problem, Report
 from ..rule import Severity
 from . import NAME
 from .concise import line
-from .full import Ink, counts, escaped, listed, plural
+from .full import Ink, counts, listed, plural
 
 LIMIT = 10
 """Annotations of one level that GitHub takes from one step. It drops the others without a word."""

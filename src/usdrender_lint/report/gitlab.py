@@ -6,10 +6,11 @@ import hashlib
 from collections import Counter
 from collections.abc import Iterable, Iterator
 
+from ..printable import escaped
 from ..results import Located, Problem, Report
 from ..rule import Severity
 from . import to_json
-from .full import escaped, spec
+from .full import spec
 
 Json = dict[str, object]
 
@@ -59,8 +60,7 @@ def _issue(name: str, text: str, fingerprint: str, severity: str, path: str, lin
 
 
 def _told_apart(issues: Iterable[Json]) -> Iterator[Json]:
-    """GitLab shows one of several that share a fingerprint; and a rule may say two things of one
-    property."""
+    """GitLab shows one of several that share a fingerprint, and two problems of a file may."""
     seen: Counter[object] = Counter()
     for issue in issues:
         seen[issue["fingerprint"]] += 1

@@ -12,11 +12,12 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from xml.etree import ElementTree
 
+from ..printable import escaped
 from ..results import Located, Problem, Report
 from ..rule import Severity
 from . import NAME
 from .concise import line
-from .full import Ink, escaped, shown
+from .full import Ink, shown
 
 Suite = defaultdict[tuple[str, str, str], list[Located | Problem]]
 """What belongs to a case, by its class, its name, and the file."""

@@ -14,6 +14,7 @@ import struct
 import zipfile
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
@@ -275,7 +276,7 @@ def _result(alert: Alert, tables: _Tables) -> Json:
         "message": {"text": " ".join(_sentences(first, others, related))},
         "locations": [
             {
-                **_location(_as_place(first), tables),
+                **_location(_as_place(first), tables, first.also),
                 **({"message": {"text": first.label}} if first.label else {}),
             }
         ],
@@ -340,17 +341,22 @@ def _object(place: Place) -> str:
     return f"{what} in '{place.location.member}'{line}"
 
 
-def _location(place: Place, tables: _Tables) -> Json:
+def _location(place: Place, tables: _Tables, also: Iterable[str] = ()) -> Json:
+    """`also` are further prims that share what stands there."""
     path = place.location.path
-    name = _qualified_name(place)
-    kind = tables.objects[name].kind
+    places = (place, *(replace(place, prim_path=prim) for prim in also))
     return {
         "physicalLocation": {
             "artifactLocation": tables.file(path),
             "region": _region(place.location),
         },
         "logicalLocations": [
-            {"fullyQualifiedName": name, "kind": kind, "index": tables.object_index[name]}
+            {
+                "fullyQualifiedName": name,
+                "kind": tables.objects[name].kind,
+                "index": tables.object_index[name],
+            }
+            for name in map(_qualified_name, places)
         ],
     }
 
@@ -387,6 +393,7 @@ def _facts(finding: Located) -> Json:
         "primPath": finding.prim_path,
         "property": finding.property,
         "target": finding.target,
+        "also": list(finding.also),
         "roots": list(finding.roots),
         "usdPackageMember": finding.location.member,
     }
@@ -454,7 +461,8 @@ def _index(keys: Iterable[str]) -> dict[str, int]:
 
 def _places(report: Report) -> Iterator[Place]:
     for finding in report.findings:
-        yield _as_place(finding)
+        yield (at := _as_place(finding))
+        yield from (replace(at, prim_path=prim) for prim in finding.also)
         yield from finding.related
 
 

@@ -12,7 +12,13 @@ from ._words import spelt
 GROUP = "animation"
 
 
-@rule("animated-uniform", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+@rule(
+    "animated-uniform",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("empty-source-name",),
+)
 def animated_uniform(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """An attribute that has one value for all frames is animated."""
     for attr, name in _uniform(prim):

@@ -92,7 +92,8 @@ def unsupported_extension(scope: RenderScope, context: Context) -> Iterator[Find
         _unsupported(product, name, context.renderer)
         for product, name in _files(scope, context.renderer)
         if _is_plain_image(product, context.renderer)
-        and not _is_written(extension_of(name), context.renderer)
+        # That a blank follows it is a fault of the name.
+        and not _is_written(extension_of(name).strip(), context.renderer)
         and not has_placeholder(extension_of(name) or name)
     )
     yield from handful(found, "products")

@@ -37,6 +37,7 @@ def shared_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
                 label="shares a product",
                 help="give each settings prim products of its own, unless only one of them is ever rendered",
                 related=((shared[0], "is rendered by both"),),
+                explains=(settings, *(Site(path) for path in others)),
             )
         for target in settings.products.targets:
             first.setdefault(target.path, settings)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import RENDER_TYPES, OtherPrim, RenderPrim, RenderScope, Site, State
+from ..model import RENDER_TYPES, OtherPrim, Property, RenderPrim, RenderScope, Site, State
 from ..rule import Context, Finding, Severity, rule
 from ._words import a_or_an, joined, likeness, nearest, one_of
 
@@ -17,6 +17,7 @@ GROUP = "property"
     severity=Severity.ERROR,
     since="0.1",
     supersedes=(
+        "default-resolution",
         "empty-product-name",
         "empty-source-name",
         "missing-camera",
@@ -43,7 +44,13 @@ def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]
             )
 
 
-@rule("misplaced-property", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+@rule(
+    "misplaced-property",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("empty-product-name", "empty-source-name", "product-without-vars"),
+)
 def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property stands on the wrong kind of render prim."""
     for found in prim.properties:
@@ -57,7 +64,18 @@ def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             label="nobody reads this here",
             help=f"it belongs on {joined([a_or_an(t) for t in found.belongs_to]).replace(' and ', ' or ')}",
             severity=Severity.WARNING if tolerated else None,
+            explains=tuple(_left_without(prim, found)),
         )
+
+
+def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
+    """The property where it was probably meant: on the only prim that this one leads to and that may
+    have it. Of several, the others would still lack it."""
+    owners = {t.path for rel in prim.rels for kind in found.belongs_to for t in rel.of_type(kind)}
+    if len(owners) == 1:
+        yield Site(f"{owners.pop()}.{found.name}")
+    else:
+        yield found.site
 
 
 @rule(
@@ -65,7 +83,7 @@ def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     on=RenderPrim,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=("empty-product-name", "empty-source-name"),
+    supersedes=("empty-product-name", "empty-source-name", "variability-mismatch"),
 )
 def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A schema attribute is authored with another type, so renderers do not read it."""
@@ -78,7 +96,7 @@ def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             found,
             f"'{found.name}' is authored as {found.type_name}, but its type is {found.schema_type}: renderers do not read it",
             label=f"not {found.schema_type}",
-            help=f"write {found.schema_type} {found.name}",
+            help=f"write {'uniform ' if found.schema_uniform else ''}{found.schema_type} {found.name}",
         )
 
 

@@ -11,6 +11,8 @@ from ._words import nearest, one_of, spelt
 
 GROUP = "purpose"
 
+_MEANT_FOR_ALL = {"all", "default"}
+
 PURPOSES = ("default", "render", "proxy", "guide")
 _MEANT_PURPOSES = {"geometry": "default", "full": "render", "final": "render", "": "default"}
 MATERIAL_PURPOSES = ("full", "preview")
@@ -78,11 +80,12 @@ def unknown_material_purpose(settings: Settings, context: Context) -> Iterator[F
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    supersedes=("no-all-purpose-fallback",),
 )
 def many_material_purposes(settings: Settings, context: Context) -> Iterator[Finding]:
     """More than one material purpose is listed, where most renders want one."""
     attr = settings.material_binding_purposes
-    special = dict.fromkeys(p for p in attr.value if p not in ALL_PURPOSE)
+    special = dict.fromkeys(p for p in attr.value if p in MATERIAL_PURPOSES)
     if attr.state is ValueState.AUTHORED and len(special) > 1:
         yield Finding(
             attr,
@@ -226,6 +229,8 @@ def no_all_purpose_fallback(settings: Settings, context: Context) -> Iterator[Fi
     """`materialBindingPurposes` does not fall back on bindings for all purposes."""
     attr = settings.material_binding_purposes
     named = set(attr.value)
+    if _MEANT_FOR_ALL & named:
+        return  # a word that nobody knows, and that stands for the fallback
     if attr.state is ValueState.AUTHORED and named and not named & set(ALL_PURPOSE):
         yield Finding(
             attr,

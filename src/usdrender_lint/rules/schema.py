@@ -78,7 +78,13 @@ def removed_schema(scope: RenderScope, context: Context) -> Iterator[Finding]:
                 )
 
 
-@rule("disallowed-token", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+@rule(
+    "disallowed-token",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("collection-mode-portability",),
+)
 def disallowed_token(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A token is none that the schema allows."""
     for found in prim.properties:

@@ -39,7 +39,7 @@ def _misnamed_root(scope: RenderScope, stray: Stray) -> str | None:
     on=RenderScope,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("shared-product", "unused-settings"),
+    supersedes=("no-render-settings", "shared-product", "unused-settings"),
 )
 def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A render prim does not stand below `/Render`."""
@@ -55,6 +55,7 @@ def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Findi
             f"the {first.type_name} <{first.path}> does not stand below /Render{more}",
             label="renderers look below /Render",
             help=f"move {'them' if others else 'it'} below a root prim named 'Render'",
+            explains=(first.root_site, *strays),
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ..model import ArcError, Layer, RenderScope, Settings, Site, State, Target
+from ..model import ArcError, Layer, MetadataOpinion, RenderScope, Settings, Site, State, Target
 from ..rule import Context, Finding, Severity, rule
 from ._chains import why_not_live
 from ._words import a_or_an, did_you_mean, joined, paths
@@ -49,7 +49,13 @@ def default_settings_unset(scope: RenderScope, context: Context) -> Iterator[Fin
     yield Finding(scope.default, said, help=_author(settings))
 
 
-@rule("default-settings-unresolved", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "default-settings-unresolved",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("no-render-settings",),
+)
 def default_settings_unresolved(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to no prim."""
     target = scope.default.target
@@ -92,7 +98,13 @@ def default_settings_bad_path(scope: RenderScope, context: Context) -> Iterator[
     )
 
 
-@rule("default-settings-wrong-type", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "default-settings-wrong-type",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    supersedes=("no-render-settings",),
+)
 def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to a prim that is not a RenderSettings."""
     target = scope.default.target
@@ -122,7 +134,7 @@ def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterato
     on=RenderScope,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=("dangling-over",),
+    supersedes=("dangling-over", "dead-target"),
 )
 def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings are inactive, only an `over`, or abstract."""
@@ -157,10 +169,11 @@ def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[
 def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A sublayer sets the default settings, where USD does not look."""
     used = scope.default.opinion
+    if used is None or not used.value:
+        yield from _only_in_sublayers([o for o in scope.default.sublayers if o.value])
+        return
     for opinion in scope.default.sublayers:
-        if used is not None and used.value:
-            if used.value == opinion.value:
-                continue
+        if used.value != opinion.value:
             yield Finding(
                 opinion,
                 f"{KEY} has no effect in a sublayer: the root layer says '{used.value}'",
@@ -169,13 +182,18 @@ def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterat
                 severity=Severity.NOTE,
                 related=((used, "is the value that counts"),),
             )
-        elif opinion.value:
-            yield Finding(
-                opinion,
-                f"{KEY} has no effect in a sublayer: the stage has no default render settings",
-                label="not read",
-                help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
-            )
+
+
+def _only_in_sublayers(opinions: list[MetadataOpinion]) -> Iterator[Finding]:
+    """What the root layer lacks it lacks once, in however many sublayers it stands."""
+    for opinion in opinions[:1]:
+        yield Finding(
+            opinion,
+            f"{KEY} has no effect in a sublayer: the stage has no default render settings",
+            label="not read",
+            help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
+            related=tuple((o, f"says '{o.value}', and is not read either") for o in opinions[1:]),
+        )
 
 
 @rule(

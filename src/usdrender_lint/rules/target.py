@@ -23,11 +23,12 @@ _ONLY_FIRST = ("camera", "renderSource")
 
 
 def _judged(prim: RenderPrim) -> Iterator[tuple[Rel, Target]]:
-    """Targets that a renderer follows. A pass of an external application may point anywhere."""
+    """Targets that a renderer follows. A pass of an external application may point anywhere; and where
+    only the first target counts, nothing depends on the others: that they are there is the fault."""
     for rel in prim.rels:
         if rel.name == "renderSource" and isinstance(prim, Pass) and prim.file_name.value:
             continue
-        for target in rel.targets:
+        for target in rel.targets[: 1 if rel.name in _ONLY_FIRST else None]:
             yield rel, target
 
 
@@ -71,13 +72,7 @@ def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule(
-    "unresolved-target",
-    on=RenderPrim,
-    severity=Severity.ERROR,
-    since="0.1",
-    supersedes=("multiple-cameras",),
-)
+@rule("unresolved-target", on=RenderPrim, severity=Severity.ERROR, since="0.1")
 def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A camera, product, var, render source or input pass does not exist."""
     for rel, target in _judged(prim):
@@ -194,6 +189,7 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
     severity=Severity.ERROR,
     since="0.1",
     supersedes=(
+        "default-resolution",
         "empty-product-name",
         "empty-source-name",
         "missing-camera",
