@@ -449,24 +449,6 @@ def test_a_default_in_two_sublayers_is_missing_once() -> None:
     assert found(main, one=META, two=META) == ["default-settings-in-sublayer"]
 
 
-def test_inherits_that_lead_back_are_one_cycle() -> None:
-    def prim(name: str, other: str) -> str:
-        return f'    def "{name}" (\n        inherits = </Render/{other}>\n    )\n    {{\n    }}\n'
-
-    assert found(stage(more=prim("a", "b") + prim("b", "a"))) == ["composition-error"]
-    two = prim("a", "b") + prim("b", "a") + prim("c", "d") + prim("d", "c")
-    assert found(stage(more=two)) == ["composition-error", "composition-error"]
-
-
-def test_a_cycle_of_sublayers_is_shown_where_it_closes() -> None:
-    main = stage().replace(META, META.replace(")\n", "    subLayers = [@./one.usda@]\n)\n"))
-    one = "(\n    subLayers = [@./two.usda@]\n)\n"
-    two = "(\n    subLayers = [@./one.usda@]\n)\n"
-    files = {"main.usda": main, "one.usda": f"#usda 1.0\n{one}", "two.usda": f"#usda 1.0\n{two}"}
-    _, marks = lint_files(files)
-    assert [(m.rule, m.file, m.line) for m in marks] == [("composition-error", "two.usda", 3)]
-
-
 def test_settings_that_nobody_uses_and_that_share_a_product_are_told_once() -> None:
     other = f'    def RenderSettings "A"\n    {{\n        {CAMERA}\n    }}\n'
     assert found(stage(more=other)) == ["shared-product"]

@@ -108,6 +108,11 @@ class Attr(Generic[T]):
         """`HasAuthoredValue()`: blocked counts as not authored."""
         return self.state not in (ValueState.FALLBACK, ValueState.BLOCKED)
 
+    @property
+    def spoiled(self) -> bool:
+        """Blocked, or of a type that is not read: not what it holds is wrong with it."""
+        return self.state in (ValueState.BLOCKED, ValueState.MISTYPED)
+
 
 @dataclass(frozen=True, slots=True)
 class Candidate:

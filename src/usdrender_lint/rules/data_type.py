@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ..model import RenderScope, ValueState, Var
+from ..model import RenderScope, Var
 from ..rule import Context, Finding, Renderer, Severity, rule
 from ._handful import handful
 from ._types import Pixel, pixel
@@ -36,13 +36,11 @@ _VALUE_TYPES = (
 )  # fmt: skip
 
 
-@rule(
-    "unknown-data-type", on=Var, severity=Severity.ERROR, since="0.1", supersedes=("blocked-value",)
-)
+@rule("unknown-data-type", on=Var, severity=Severity.ERROR, since="0.1")
 def unknown_data_type(var: Var, context: Context) -> Iterator[Finding]:
     """`dataType` names no value type of USD."""
     kind = var.data_type
-    if kind.state is ValueState.MISTYPED or var.data_type_known:
+    if kind.spoiled or var.data_type_known:
         return
     if kind.value in context.renderer.data_types:
         return

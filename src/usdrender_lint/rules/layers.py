@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Product, RenderPrim, RenderScope, ValueState
+from ..model import Product, RenderPrim, RenderScope, Site, ValueState
 from ..rule import Context, Finding, Severity, rule
 from ._words import nearest, one_of, paths
 
@@ -51,13 +51,19 @@ def clobbered_targets(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     on=RenderPrim,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("misplaced-property", "product-without-vars", "settings-without-products"),
+    supersedes=(
+        "default-settings-wrong-type",
+        "misplaced-property",
+        "product-without-vars",
+        "settings-without-products",
+        "wrong-target-type",
+    ),
 )
 def conflicting_prim_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """Layers disagree on the type of a render prim."""
     for other in prim.other_types[:1]:
         yield Finding(
-            prim,
+            Site(prim.path, "typeName"),
             f"<{prim.path}> is a {prim.type_name} here and a {other.type_name} in a weaker layer, whose properties do not fit it",
             label=f"a {prim.type_name}",
             help="rename one of the two",
@@ -72,6 +78,7 @@ def blocked_value(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if attr.state is not ValueState.BLOCKED:
             continue
         inherits = isinstance(prim, Product) and attr.name in _shared()
+        refused = attr.name in ("dataType", "sourceType")
         if inherits:
             said = f"'{attr.name}' is blocked: the product takes the settings' value, but frame readers the fallback"
         else:
@@ -81,7 +88,7 @@ def blocked_value(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             said,
             label="= None",
             help="remove the line for the fallback, or write the value",
-            severity=Severity.NOTE if inherits else None,
+            severity=Severity.NOTE if inherits else Severity.ERROR if refused else None,
         )
 
 

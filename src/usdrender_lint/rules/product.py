@@ -133,13 +133,12 @@ def _normal(name: str, fold: bool) -> str:
     on=Product,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("blocked-value",),
 )
 def unknown_product_type(product: Product, context: Context) -> Iterator[Finding]:
     """No renderer at hand writes products of this type."""
     kind = product.product_type
     known = (*SCHEMA_TYPES, *sorted(context.renderer.product_types))
-    if kind.state is ValueState.MISTYPED or kind.value in known or ":" in kind.value:
+    if kind.spoiled or kind.value in known or ":" in kind.value:
         return
     meant = nearest(kind.value, known, 0.7) or _by_prefix(kind.value)
     yield Finding(

@@ -62,13 +62,12 @@ def _without_source(var: Var) -> Finding:
     on=Var,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=("blocked-value",),
 )
 def unknown_source_type(var: Var, context: Context) -> Iterator[Finding]:
     """`sourceType` is none of the schema's."""
     kind = var.source_type
     known = (*SOURCE_TYPES, *sorted(context.renderer.source_types))
-    if kind.state is ValueState.MISTYPED or kind.value in known:
+    if kind.spoiled or kind.value in known:
         return
     meant = nearest(kind.value, known, 0.7)
     yield Finding(
