@@ -246,8 +246,14 @@ def test_every_prim_is_in_the_reports_for_machines(tmp_path: Path) -> None:
     assert result["properties"]["also"] == [f"/Render/{n}" for n in names[1:]]
 
 
-def test_two_faults_of_one_property_have_a_fingerprint_each(tmp_path: Path) -> None:
-    main = '#usda 1.0\ndef "A"\n{\n    pathExpression[] e = ["/b[", "/c +"]\n}\n'
+def test_two_faults_of_one_value_have_a_fingerprint_each(tmp_path: Path) -> None:
+    main = scene(
+        "A",
+        inheriting("A")
+        + '    def RenderPass "pass"\n    {\n        rel renderSource = </Render/S>\n'
+        '        string[] command = ["nuke", "{filenam}", "{passTyp}"]\n    }\n',
+        klass(""),
+    )
     report = run(tmp_path, main=main)
     assert len({f.known_by for f in report.findings}) == 1
     assert len({f.fingerprint for f in report.findings}) == len(report.findings) == 2
