@@ -19,7 +19,7 @@ PACKAGE = "usdrender_lint"
 SOURCE = ROOT / "src" / PACKAGE
 
 OUTSIDE = {
-    "pxr": ("stage", "sites", "locate", "ignores", "lint_file", "read", "read.*"),
+    "pxr": ("stage", "sites", "reach", "locate", "ignores", "lint_file", "read", "read.*"),
     "click": ("cli", "options"),
     "rich": ("report.explain",),
     "markdown_it": ("report.explain",),
@@ -36,7 +36,18 @@ LAYERS = (
     ("report", "report.*", "output"),
     ("run", "settle", "locate", "suppress", "baseline", "edit"),
     ("read", "read.*"),
-    ("stage", "sites", "discover", "usda", "usda_*", "renderers", "registry", "pages", "config"),
+    (
+        "stage",
+        "sites",
+        "reach",
+        "discover",
+        "usda",
+        "usda_*",
+        "renderers",
+        "registry",
+        "pages",
+        "config",
+    ),
     ("results", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),
     ("model", "printable"),

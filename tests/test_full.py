@@ -20,6 +20,7 @@ from usdrender_lint.results import (
     RendererChoice,
     Report,
     Span,
+    Step,
 )
 from usdrender_lint.rule import Rule, Severity
 
@@ -278,6 +279,21 @@ def test_roots(roots: tuple[str, ...], base: str, expected: str | None) -> None:
     lines = picture(finding(roots=roots), base=Path(base)).splitlines()
     told = [line.removeprefix("   = in: ") for line in lines if line.startswith("   = in: ")]
     assert told == ([expected] if expected else [])
+
+
+@pytest.mark.parametrize(
+    ("roots", "expected"),
+    [
+        (("shots/shot.usda",), "shot.usda -> (sublayer) light.usdz[a.usda] -> (reference) b.usda"),
+        # Each comes another way.
+        (("shots/shot.usda", "shots/x.usda"), "shot.usda, x.usda"),
+    ],
+)
+def test_the_way_from_the_root(roots: tuple[str, ...], expected: str) -> None:
+    chain = (Step("sublayer", "shots/light.usdz[a.usda]"), Step("reference", "shots/b.usda"))
+    one = replace(finding(roots=roots), chain=chain)
+    shown = picture(one, base=REPOSITORY / "shots")
+    assert f"   = in: {expected}\n" in shown
 
 
 def test_roots_of_a_layer_outside_of_the_repository() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 from usdrender_lint.model import RenderScope
 from usdrender_lint.report import json as json_report
 from usdrender_lint.report import page_url
-from usdrender_lint.results import Located, Location, Place, Problem, Report, Span
+from usdrender_lint.results import Located, Location, Place, Problem, Report, Span, Step
 from usdrender_lint.rule import Rule, Severity
 
 RULE = Rule(
@@ -51,6 +51,7 @@ def test_a_whole_report_with_its_keys_in_order() -> None:
         property="camera",
         target="/World/名前",
         related=(Place("is a Camera", IN_PACKAGE, "/World/main_cam", None),),
+        chain=(Step("sublayer", "render.usda"),),
     )
     expected = {
         "version": 1,
@@ -71,6 +72,7 @@ def test_a_whole_report_with_its_keys_in_order() -> None:
                 "target": "/World/名前",
                 "help": "did you mean </World/main_cam>?",
                 "root": "shot.usda",
+                "chain": [{"arc": "sublayer", "path": "render.usda"}],
                 "variants": {},
                 "related": [
                     {

@@ -492,3 +492,68 @@ class TestExpressions:
         scene.write(main=self.expression(written))
         (found,) = scene.all("syntax-error")
         assert place(found.location).endswith(shown)
+
+
+class TestTheWayToALayer:
+    """How the root comes to the layer that holds the opinion."""
+
+    BROKEN = spec("rel camera = </World/no>\n        rel products = </Render/P>", meta="")
+
+    def way(self, scene: Scene, rule: str = "unresolved-target", root: str = "main.usda") -> str:
+        (found,) = scene.all(rule, root)
+        return " ".join(f"({step.arc}) {step.path}" for step in found.chain)
+
+    def arc(self, name: str, to: str, kind: str = "references") -> str:
+        return f'def "{name}" (\n    {kind} = {to}\n)\n{{\n}}\n'
+
+    def test_none_to_the_root(self, scene: Scene) -> None:
+        scene.write(main=self.BROKEN)
+        assert self.way(scene) == ""
+
+    def test_sublayers(self, scene: Scene) -> None:
+        scene.write(
+            main="(\n    subLayers = [@x.usda@, @a.usda@]\n)\n",
+            x="",
+            a="(\n    subLayers = [@x.usda@, @b.usda@]\n)\n",
+            b=self.BROKEN,
+        )
+        assert self.way(scene) == "(sublayer) a.usda (sublayer) b.usda"
+
+    @pytest.mark.parametrize(("kind", "arc"), [("references", "reference"), ("payload", "payload")])
+    def test_through_an_arc(self, scene: Scene, kind: str, arc: str) -> None:
+        scene.write(main=self.arc("Render", "@a.usda@</Render>", kind) + WORLD, a=self.BROKEN)
+        assert self.way(scene, "target-outside-reference") == f"({arc}) a.usda"
+
+    def test_a_sublayer_that_refers_to_one_with_a_sublayer(self, scene: Scene) -> None:
+        scene.write(
+            main="(\n    subLayers = [@light.usda@]\n)\n" + WORLD,
+            light=self.arc("Render", "@look.usda@</Render>"),
+            look="(\n    subLayers = [@aovs.usda@]\n)\n",
+            aovs=self.BROKEN,
+        )
+        assert self.way(scene, "target-outside-reference") == (
+            "(sublayer) light.usda (reference) look.usda (sublayer) aovs.usda"
+        )
+
+    def test_a_reference_in_a_reference(self, scene: Scene) -> None:
+        scene.write(
+            main=self.arc("Render", "@a.usda@</A>") + WORLD,
+            a='def "A"\n{\n    def "In" (\n        references = @b.usda@</Render>\n    )\n    {\n    }\n}\n',
+            b='def "Render"\n{\n    def RenderSettings "S"\n    {\n        int2 resolution = (0, 0)\n    }\n}\n',
+        )
+        assert self.way(scene, "invalid-resolution") == "(reference) a.usda (reference) b.usda"
+
+    def test_within_a_variant(self, scene: Scene) -> None:
+        text = (
+            'def "Render" (\n    variants = { string v = "on" }\n    variantSets = "v"\n)\n{\n    variantSet "v" = {\n'
+            '        "on" (\n            references = @a.usda@</Render>\n        ) {\n        }\n    }\n}\n'
+        )
+        scene.write(main=text + WORLD, a=self.BROKEN)
+        assert self.way(scene, "target-outside-reference") == "(reference) a.usda"
+
+    def test_to_what_a_layer_says_of_itself(self, scene: Scene) -> None:
+        scene.write(
+            main=self.arc("Render", "@a.usda@</Render>") + WORLD,
+            a="(\n    subLayers = [@no.usda@]\n)\n" + self.BROKEN,
+        )
+        assert self.way(scene, "composition-error") == "(reference) a.usda"

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import re
 
-from pxr import Usd
+from pxr import Sdf, Usd
 
 from .discover import Shown
 from .model import HasSite, Site
 from .printable import escaped
+from .reach import way_to
 from .read.expressions import broken_at
 from .read.packages import split_package
 from .read.text import Texts
-from .results import Located, Location, Opinion, Place, Span
+from .results import Located, Location, Opinion, Place, Span, Step
 from .rule import AnyRule, Finding, Renderer, Severity
 from .run import Told
 from .sites import Spot, Translation, find, into_layer
@@ -42,6 +43,7 @@ class Locator:
         self._texts = texts
         self._shown = shown
         self._unparsed = {p.file: p for p in unparsed}
+        self._chains: dict[tuple[str, str], tuple[Step, ...]] = {}
 
     def locate(self, told: Told, severity: Severity) -> Located:
         finding, site = told.finding, told.finding.at.site
@@ -60,6 +62,7 @@ class Locator:
             tuple(self._place(at, text) for at, text in finding.related),
             (self._root,),
             opinion=self._opinion(site, spot, message),
+            chain=self._chain(site, spot),
         )
 
     def _opinion(self, site: Site, spot: Spot | None, message: str) -> Opinion | None:
@@ -72,6 +75,19 @@ class Locator:
         if (path, target) == (site.prim_path, site.target):
             return None
         return Opinion(path, target, _translated(message, translate))
+
+    def _chain(self, site: Site, spot: Spot | None) -> tuple[Step, ...]:
+        if self._stage is None or spot is None:
+            return ()
+        key = site.prim_path, spot.layer.identifier
+        if key not in self._chains:
+            steps = way_to(self._stage, site, spot)
+            self._chains[key] = tuple(Step(arc, self._name(layer)) for arc, layer in steps)
+        return self._chains[key]
+
+    def _name(self, layer: Sdf.Layer) -> str:
+        at = self._in_file(self._texts.file_of(layer), None)
+        return f"{at.path}[{at.member}]" if at.member else at.path
 
     def _place(self, at: HasSite, text: str) -> Place:
         site = at.site

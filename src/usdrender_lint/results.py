@@ -68,6 +68,16 @@ class Opinion:
 
 
 @dataclass(frozen=True, slots=True)
+class Step:
+    """One layer on the way from the root layer to that of a finding."""
+
+    arc: str
+    """What brings it in: sublayer, reference, payload ..."""
+    path: str
+    """As shown; of a member of a package with its name in brackets."""
+
+
+@dataclass(frozen=True, slots=True)
 class Located:
     """A finding that knows its rule, its severity and its place."""
 
@@ -93,6 +103,8 @@ class Located:
     """Further prims that share the opinion, and so the fault, sorted."""
     nth: int = 1
     """Of several findings that nothing but their words tells apart."""
+    chain: tuple[Step, ...] = ()
+    """From the first of its roots to the layer that holds the opinion; empty where that is the root."""
 
     @builtins.property
     def sort_key(self) -> tuple[object, ...]:

@@ -182,7 +182,9 @@ def _remarks(finding: Located, base: Path) -> Iterator[tuple[str, str, Place | N
         yield "help", escaped(finding.help), None
     for place in finding.related:
         yield "related", _related(place, base), place
-    if finding.roots and finding.roots != (finding.location.path,):
+    if len(finding.roots) == 1 and finding.chain:
+        yield "in", _roots(finding, base) + _way(finding, base), None
+    elif finding.roots and finding.roots != (finding.location.path,):
         yield "in", _roots(finding, base), None
     if finding.variants:
         yield "variants", variants_shown(finding), None
@@ -211,6 +213,14 @@ def _roots(finding: Located, base: Path) -> str:
     names = [_root_shown(root, finding.location, base) for root in finding.roots[:SHOWN_ROOTS]]
     more = len(finding.roots) - SHOWN_ROOTS
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
+
+
+def _way(finding: Located, base: Path) -> str:
+    """Over which layers the root comes to the opinion."""
+    return "".join(
+        f" -> ({step.arc}) {_root_shown(step.path, finding.location, base)}"
+        for step in finding.chain
+    )
 
 
 def _root_shown(root: str, location: Location, base: Path) -> str:

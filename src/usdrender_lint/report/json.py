@@ -37,6 +37,7 @@ def _finding(finding: Located) -> dict[str, object]:
         "target": finding.target,
         "help": finding.help or None,
         **_roots(finding.roots),
+        "chain": [{"arc": step.arc, "path": step.path} for step in finding.chain],
         **({"also": list(finding.also)} if finding.also else {}),
         "variants": {name: list(chosen) for name, chosen in finding.variants},
         "related": [_related(place) for place in finding.related],
