@@ -506,3 +506,14 @@ class TestFindings:
         finding = Finding(Site("/S"), "x", severity=of_finding)
         renderer = Renderer("r", "R", severities=of_renderer)
         assert severity_of(rule, finding, renderer, chosen) is severity
+
+
+class TestMessages:
+    def test_a_long_value_is_cut_in_its_middle(self, shot: Shot) -> None:
+        """In the message: the excerpt, and what is to be written, stay whole."""
+        long = f"x '{'a' * 200}{'b' * 40}' y"
+        finding = Finding(Site("/Render"), long, help=long)
+        locator = Locator(None, "main.usda", Texts(), Shown(shot.folder), [])
+        located = locator.locate(Told(all_rules()["missing-camera"], finding), Severity.NOTE)
+        assert located.message == f"x '{'a' * 60} ... {'b' * 30}' y"
+        assert located.help == long

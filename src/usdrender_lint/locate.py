@@ -19,6 +19,9 @@ from .run import Told
 from .sites import Spot, Translation, find, into_layer
 from .stage import ParseProblem
 
+_HEAD, _TAIL = 60, 30
+_LONG = re.compile(r"'([^']{120,})'")
+"""A value in quotes that nobody would read to its end."""
 SYNTAX = "syntax"
 """Field of a site that means the place where a layer stops being usda."""
 
@@ -47,7 +50,7 @@ class Locator:
 
     def locate(self, told: Told, severity: Severity) -> Located:
         finding, site = told.finding, told.finding.at.site
-        message = escaped(finding.message)
+        message = _shortened(escaped(finding.message))
         spot = self._spot(site)
         return Located(
             told.rule,
@@ -143,6 +146,11 @@ class Locator:
 
 def _translated(message: str, translate: Translation) -> str:
     return _PATH.sub(lambda found: f"<{translate(found[1])}>", message)
+
+
+def _shortened(message: str) -> str:
+    """Without the middle of a long value: the place shows all of it."""
+    return _LONG.sub(lambda value: f"'{value[1][:_HEAD]} ... {value[1][-_TAIL:]}'", message)
 
 
 def severity_of(

@@ -182,8 +182,8 @@ def invalid_collection(render_pass: Pass, context: Context) -> Iterator[Finding]
             if pattern.crashes:
                 yield Finding(
                     pattern,
-                    f"'{pattern.text}' can crash USD: a name follows a condition that has none",
-                    label="do not evaluate",
+                    f"'{pattern.text}' can crash USD: its condition stands behind '//' and before another name",
+                    label="crashes USD",
                     help=f"write '{pattern.text.replace('//{', '//*{')}'",
                 )
 

@@ -115,10 +115,11 @@ def leftover_crop(scope: RenderScope, context: Context) -> Iterator[Finding]:
             continue
         if max(left, bottom) > _CROPPED or min(right, top) < 1 - _CROPPED:
             part = _length(left, right) * _length(bottom, top)
+            share = f"{part:.0%}" if part >= 0.005 else "less than 1%"
             yield Finding(
                 prim.data_window_ndc,
                 f"dataWindowNDC of <{prim.path}> is {spelt(prim.data_window_ndc.value)}:"
-                f" {part:.0%} of the frame will be rendered",
+                f" {share} of the frame will be rendered",
                 label="a crop",
                 help="remove it, if it was left over from interactive work",
             )

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..model import Product, RenderPrim, RenderScope, Site, ValueState
 from ..rule import Context, Finding, Severity, rule
-from ._words import nearest, one_of, paths
+from ._words import nearest, one_of, paths, spelt
 
 GROUP = "layer"
 
@@ -106,4 +106,4 @@ def _shared() -> set[str]:
 
 
 def _empty(value: object) -> str:
-    return "empty" if value in ("", ()) else str(value)
+    return "empty" if value in ("", ()) else spelt(value)

@@ -218,7 +218,7 @@ def _faults(name: str) -> Iterator[tuple[str, str]]:
     if variable := _VARIABLE.search(name):
         yield "a variable", f"holds the variable '{variable[0]}'"
     if odd := sorted({c for c in name if c in "*?\"'|`"}):
-        yield "characters of a shell", f"holds characters that shells read, {' '.join(odd)}"
+        yield "characters of a shell", f"holds {joined(odd)}, which shells read"
 
 
 @rule(

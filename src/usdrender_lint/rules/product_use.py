@@ -82,12 +82,12 @@ def orphan_var(scope: RenderScope, context: Context) -> Iterator[Finding]:
     orphans = [v.path for v in scope.vars if _is_unlisted(v, meant)]
     for _, found in groupby(orphans, lambda path: path.rpartition("/")[0]):
         group = list(found)
-        are = "it is" if len(group) == 1 else "they are"
+        it, are = ("it", "it is") if len(group) == 1 else ("them", "they are")
         yield Finding(
             Site(group[0]),
             f"no product lists {paths(group)}: {are} never written",
             label="not listed",
-            help="add it to a product's orderedVars, or leave it for those who need it",
+            help=f"add {it} to a product's orderedVars, or leave {it} for those who need {it}",
             related=tuple((Site(path), "is not listed either") for path in group[1:4]),
         )
 

@@ -92,6 +92,7 @@ def many_material_purposes(settings: Settings, context: Context) -> Iterator[Fin
             f"materialBindingPurposes lists {one_of(special).replace(' or ', ' and ')}:"
             " most renders want one, with '' to fall back on",
             label="more than one",
+            help=f"write ['{next(iter(special))}', ''], if one is enough",
         )
 
 

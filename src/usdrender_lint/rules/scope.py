@@ -49,7 +49,8 @@ def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Findi
             groups.setdefault(stray.root_site.path, []).append(stray)
     for strays in groups.values():
         first, others = strays[0], strays[1:]
-        more = f", with {paths(s.path for s in others)}" if others else ""
+        nor = "nor does" if len(others) == 1 else "nor do"
+        more = f", {nor} {paths(s.path for s in others)}" if others else ""
         yield Finding(
             first,
             f"the {first.type_name} <{first.path}> does not stand below /Render{more}",

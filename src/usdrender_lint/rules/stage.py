@@ -154,6 +154,7 @@ def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[
         target,
         f"the default render settings <{target.path}> {why}: no renderer meets them",
         label="not live",
+        help="name settings that are live, or bring these to life",
         related=(why_not_live(target),),
         explains=(Site(target.path),),
     )
@@ -209,7 +210,7 @@ def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterato
         return
     for opinion in scope.default.misspelled:
         if opinion.in_custom_data:
-            said = f"'{opinion.key}' in customLayerData is not read: it belongs beside it"
+            said = f"'{opinion.key}' in customLayerData is not read: it is metadata of the layer itself"
         else:
             said = f"'{opinion.key}' is no metadata that USD reads"
         yield Finding(
@@ -261,7 +262,9 @@ def syntax_error(layer: Layer, context: Context) -> Iterator[Finding]:
         yield Finding(
             layer,
             layer.problem,
-            help="nothing in this layer takes part in the render until it parses",
+            help="mend it: at worst the whole stage does not open, at best it reads as empty"
+            if layer.site.target
+            else "nothing in this layer takes part in the render until it parses",
         )
 
 
