@@ -212,6 +212,23 @@ class TestChainsOfRelationships:
         )
 
 
+class TestWhatWasMeant:
+    """A name that is near is asked for; the only prim of the type is no guess at all."""
+
+    @pytest.mark.parametrize(
+        ("written", "help"),
+        [
+            ("/World/cmam", "did you mean </World/cam>?"),
+            ("/World/CAM", "did you mean </World/cam>?"),
+            ("/World/distance", "the only Camera found is </World/cam>"),
+        ],
+    )
+    def test_a_camera(self, scene: Scene, written: str, help: str) -> None:
+        scene.write(main=spec(f"rel camera = <{written}>\n        rel products = </Render/P>"))
+        (found,) = scene.all("unresolved-target")
+        assert found.help == help
+
+
 class TestCyclesOfPasses:
     def passes(self, **inputs: str) -> str:
         return spec(
@@ -485,6 +502,7 @@ class TestExpressions:
         [
             ('"/World/ball $x"', '"/World/ball {$x}"'),
             ('"/World/ball\\t-"', '"/World/ball\\t-{"}'),
+            ('"""/World/ball\n        /World/cam"""', '{/World/cam}"""'),
             ('"""\n        /World/ball"""', '{collection:prune:membershipExpression} = """'),
         ],
     )

@@ -151,6 +151,13 @@ class TestUsd:
     def test_a_union_with_everything_is_everything(self) -> None:
         assert Sdf.PathExpression("geo// + //").GetText() == "//"
 
+    def test_only_the_first_line_of_an_expression_is_read(self) -> None:
+        """Without a word; though a line break before it is refused."""
+        assert Sdf.PathExpression("/a /b\n- /b").GetText() == "/a /b"
+        assert Sdf.PathExpression("/a\r\n /b").GetText() == "/a"
+        with pytest.raises(Tf.ErrorException):
+            Sdf.PathExpression("\n/a")
+
     @pytest.mark.parametrize(
         "condition", ["isMesh", "kind", "kind:nope", "variant:a=b", "specifier:nope", "hdType:mesh"]
     )

@@ -32,25 +32,31 @@ def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
 
 
 def broken_at(text: str) -> int | None:
-    """The character of an ill-formed expression where it breaks off, from 0; None if USD does not
-    say."""
-    try:
-        Sdf.PathExpression(text)
-    except Tf.ErrorException as error:
-        if match := _AT.search("".join(sentences(error.args))):
-            return int(match[1]) - 1
-    return None
+    """The character of an ill-formed expression from which on USD does not read it, from 0; None if
+    USD does not say."""
+    return _broken(text)[0]
 
 
-def _problem(text: str) -> str | None:
+def _problem(text: str) -> str:
+    return _broken(text)[1]
+
+
+def _broken(text: str) -> tuple[int | None, str]:
+    """Where, and why; no reason for a well-formed one."""
     try:
         Sdf.PathExpression(text)
     except Tf.ErrorException as error:
         match = _AT.search("".join(sentences(error.args)))
         if match is None:
-            return f"ill-formed path expression '{text}': USD takes only ASCII letters in it"
-        at_end = int(match[1]) > len(text)
+            return None, f"ill-formed path expression '{text}': USD takes only ASCII letters in it"
+        start = int(match[1]) - 1
+        at_end = start >= len(text)
         where = "at its end" if at_end else f"at character {match[1]}"
         why = match[2] or ("something is left open" if at_end else "")
-        return f"ill-formed path expression '{text}', {where}{': ' if why else ''}{why}"
-    return None
+        return start, f"ill-formed path expression '{text}', {where}{': ' if why else ''}{why}"
+    # Without a word USD takes the first line for all of it (26.11).
+    rest = text.partition("\n")[2].strip()
+    if not rest:
+        return None, ""
+    said = f"USD reads only the first line of a path expression: '{rest}' is not read"
+    return text.index(rest, text.index("\n")), said

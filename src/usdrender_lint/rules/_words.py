@@ -71,8 +71,10 @@ def did_you_mean(target: Target, kind: str, plural: str) -> str:
     name = target.path.partition(".")[0].rpartition("/")[2]
     best = found[0]
     near = likeness(name, best.path.rpartition("/")[2]) >= SIMILAR
-    if len(found) == 1 or near or best.path.startswith(target.path + "/"):
+    if near or best.path.startswith(target.path + "/"):
         return f"did you mean <{best.path}>?"
+    if len(found) == 1:  # no guess: it may be of the right type and nothing else
+        return f"the only {kind} found is <{best.path}>"
     return f"{plural} found: {paths(c.path for c in found)}"
 
 
