@@ -454,6 +454,25 @@ class TestSyntax:
         assert finding.rule.id == "syntax-error"
         assert told(finding.location) == ("main.usda", 'def "Äö" { {b}')
 
+    def test_not_where_a_parser_of_a_single_value_stopped(self, shot: Shot) -> None:
+        """USD quotes it before its own place, and it counts the lines of the value."""
+        shot.write(main='def "A" (\n    variants = {\n        string q = "a b"\n    }\n)\n{\n}\n')
+        (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
+        assert told(finding.location) == ("main.usda", "{v}")
+        assert finding.message == "\"a b\" is not a valid variant name, near 'variants'"
+
+    def test_a_value_of_which_usd_tells_no_line(self, shot: Shot) -> None:
+        shot.write(main='def "A"\n{\n    int2 x = (1, 2, 3)\n}\n')
+        (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
+        assert told(finding.location) == ("main.usda", "int2 x = {(1, 2, 3)}")
+        assert finding.message == "the value has not as many components as its type, int2"
+
+    def test_an_expression_in_metadata(self, shot: Shot) -> None:
+        data = 'customData = {\n        pathExpression e = "/a["\n    }'
+        shot.write(main=f'def "A" (\n    {data}\n)\n{{\n}}\n')
+        (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
+        assert told(finding.location) == ("main.usda", 'pathExpression e = {"}')
+
     def test_an_expression_is_where_it_breaks_off(self, shot: Shot) -> None:
         shot.write(main='def "A"\n{\n    pathExpression e = "//{"\n}\n')
         (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings

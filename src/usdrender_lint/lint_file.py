@@ -243,7 +243,8 @@ def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
 
 
 def _as_layer(problem: ParseProblem) -> Layer:
-    return Layer(problem.file, Site("/", "syntax", layer=problem.file), problem.message)
+    site = Site("/", "syntax", layer=problem.file, spec=problem.spec)
+    return Layer(problem.file, site, problem.message)
 
 
 def _brought_in(layer: Sdf.Layer) -> Iterator[str]:

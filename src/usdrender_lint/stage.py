@@ -84,6 +84,8 @@ class ParseProblem:
     message: str
     line: int = 0
     column: int = 0
+    spec: str | None = None
+    """The property that cannot be read, where no line is told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,28 +185,38 @@ def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
         if layer := Sdf.Layer.FindOrOpen(name):
             return layer
     except Tf.ErrorException as error:
-        for text in sentences(error.args):
-            if match := _AT.search(text):
-                return _not_parsed(name, match)
+        if problem := _not_parsed(name, sentences(error.args)):
+            return problem
     return Unreadable(name, "unreadable-file", "USD cannot open this member of the package")
 
 
 _AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
-_NEAR = re.compile(r"(.*?) at '(.*)' in <(.*)>", re.S)
+_NEAR = re.compile(r"(.*) at '(.*?)' in <(.*)>", re.S)
+_OF_PROPERTY = re.compile(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
+_COMPONENTS = re.compile(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
+_QUOTING = re.compile(r" due to ':\d+:\d+: .*?'")
 _EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
 
 
 def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
     """USD's sentences hold C++ names and temporary paths: the facts in them, in other words."""
+    if problem := _not_parsed(file, said):
+        return problem
     for text in said:
-        if match := _AT.search(text):
-            return _not_parsed(file, match)
         if match := _EXPRESSION.search(text):
-            return ParseProblem(file, f"ill-formed path expression: {match[3]}")
+            # One in metadata: those of attributes are found in the text, each at its place.
+            said_of_it = match[3] or "something is left open"
+            told = f"ill-formed path expression '{match[1]}', at character {match[2]}: {said_of_it}"
+            return ParseProblem(file, told, *_place_of(file, match[1]))
+        if match := _OF_PROPERTY.fullmatch(text.strip()):
+            return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
     if problem := _not_utf8(file):
         return problem
     if not _looks_binary(file):
-        return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
+        told = "the first line is not '#usda 1.0'"
+        if _HEADER.match(Path(file).read_bytes()[:64]):
+            told = "USD cannot read this, and does not say where it stops"
+        return ParseProblem(file, told, 1, 1)
     detail = "truncated or damaged"
     for text in said:
         if "version" in text.lower():
@@ -212,8 +224,16 @@ def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
     return Unreadable(file, "unreadable-file", f"USD cannot open it: {detail}")
 
 
-def _not_parsed(file: str, match: re.Match[str]) -> ParseProblem:
-    what = match[3].strip()
+def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
+    """What a parser says of a place in the file. It may quote another one, which counted the lines of
+    a single value."""
+    places = list(filter(None, map(_AT.search, said)))
+    name = file.rpartition("/")[2]
+    named = (m for m in places if m.string[: m.start()].endswith(name))
+    match = next(named, None) or next(iter(places), None)
+    if match is None:
+        return None
+    what = _QUOTING.sub("", match[3].strip())
     near = _NEAR.fullmatch(what)
     told = _sentence(near[1], near[2]) if near else _sentence(what, "")
     return ParseProblem(file, told, int(match[1]), int(match[2]))
@@ -223,10 +243,24 @@ def _sentence(expected: str, near: str) -> str:
     expected = expected.strip()
     if "::" in expected or "pxrInternal" in expected:  # a rule of the parser, by its C++ name
         expected = "this is no usda"
-    expected = expected[:1].lower() + expected[1:]
+    if "simple value" in expected:
+        expected = "expected a value of another type"
+    if match := _COMPONENTS.search(expected):
+        expected = f"the value has not as many components as its type, {match[1]}"
+    expected = (expected[:1].lower() + expected[1:]).rstrip(".")
     # USD quotes the rest of the line; the first word of it is what it stumbled over.
     word = next(iter(near.split()), "")
-    return f"{expected}, found '{word[:40]}'" if word else expected
+    found = "found" if expected.startswith(("expected", "this")) else "near"
+    return f"{expected}, {found} '{word[:40]}'" if word else expected
+
+
+def _place_of(file: str, expression: str) -> tuple[int, int]:
+    """Line and column of text that stands in quotes once; zeros if it does not."""
+    data, quoted = Path(file).read_bytes(), f'"{expression}"'.encode()
+    if data.count(quoted) != 1:
+        return 0, 0
+    start = data.find(quoted)
+    return data.count(b"\n", 0, start) + 1, start - data.rfind(b"\n", 0, start)
 
 
 def _not_utf8(file: str) -> ParseProblem | None:
