@@ -302,6 +302,27 @@ class TestArcs:
         )
 
 
+class TestLayersThatDoNotParse:
+    """Who opens one wants to know what for."""
+
+    BROKEN = 'def "A"\n{\n    what\n}\n'
+
+    def test_a_sublayer(self, scene: Scene) -> None:
+        scene.write(main=over("", "x.usda@, @w.usda"), x="", w=self.BROKEN)
+        assert scene.one("syntax-error") == (
+            "w.usda: {w}hat",
+            "main.usda: subLayers = [@x.usda@, {@w.usda@}]",
+        )
+
+    def test_a_reference(self, scene: Scene) -> None:
+        world = 'def "World" (\n    references = @w.usda@</A>\n)\n{\n}\n'
+        scene.write(main=spec(world=world), w=self.BROKEN)
+        assert scene.one("syntax-error") == (
+            "w.usda: {w}hat",
+            "main.usda: references = {@w.usda@</A>}",
+        )
+
+
 class TestExpressionsOfArcs:
     def sublayer(self, expression: str, variables: str = "") -> str:
         return f'(\n    renderSettingsPrimPath = "/Render/S"\n    expressionVariables = {{ {variables} }}\n    subLayers = [@`{expression}`@]\n)\n'
@@ -422,12 +443,17 @@ class TestPackages:
             "p.usdz[main.usda]: rel camera = </World/cam>  # usdrender-lint: ignore[{unresolved-target}]"
         )
 
-    @pytest.mark.parametrize("member", ["main", "w"])
-    def test_what_does_not_parse(self, scene: Scene, member: str) -> None:
-        broken = 'def "A"\n{\n    what\n}\n'
-        members = {"main": broken} if member == "main" else {"main": over(""), "w": broken}
-        assert scene.one("syntax-error", self.package(scene, **members)) == (
-            f"p.usdz[{member}.usda]: {{w}}hat",
+    BROKEN = 'def "A"\n{\n    what\n}\n'
+
+    def test_a_first_member_that_does_not_parse(self, scene: Scene) -> None:
+        root = self.package(scene, main=self.BROKEN)
+        assert scene.one("syntax-error", root) == ("p.usdz[main.usda]: {w}hat",)
+
+    def test_a_member_that_does_not_parse(self, scene: Scene) -> None:
+        root = self.package(scene, main=over(""), w=self.BROKEN)
+        assert scene.one("syntax-error", root) == (
+            "p.usdz[w.usda]: {w}hat",
+            "p.usdz[main.usda]: subLayers = [{@w.usda@}]",
         )
 
 

@@ -244,7 +244,7 @@ def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
 
 def _as_layer(problem: ParseProblem) -> Layer:
     site = Site("/", "syntax", layer=problem.file, spec=problem.spec)
-    return Layer(problem.file, site, problem.message)
+    return Layer(problem.file, site, problem.message, problem.asked)
 
 
 def _brought_in(layer: Sdf.Layer) -> Iterator[str]:

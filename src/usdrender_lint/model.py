@@ -699,6 +699,8 @@ class Layer:
     site: Site
     problem: str | None
     """What does not parse, in words of USD's format, not of its parser."""
+    asked: Site | None = None
+    """The arc that brings it in; of a root layer there is none."""
 
 
 class Extent(StrEnum):

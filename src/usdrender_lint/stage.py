@@ -12,6 +12,7 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
+from .model import Site
 from .records import dataclass
 
 PROBE = "__probe__"
@@ -86,6 +87,8 @@ class ParseProblem:
     column: int = 0
     spec: str | None = None
     """The property that cannot be read, where no line is told."""
+    asked: Site | None = None
+    """The arc that brings the layer in; of a root layer there is none."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import cached_property
 
 from pxr import Pcp, Sdf, Usd
@@ -198,7 +199,7 @@ class Failures:
         if written and not asset:
             return  # an expression that gives nothing, on purpose
         if asset:
-            kind, layer = self._open(spec.layer, asset)
+            kind, layer = self._open(spec.layer, asset, site)
             if layer is None:
                 yield Failure(path, kind, arc, written, "", site, evaluated)
                 return
@@ -238,15 +239,15 @@ class Failures:
         if written.startswith("`"):
             evaluated = self._evaluated(layer, written)
             asset = evaluated.value
+        site = Site("/", "subLayers", written, layer.identifier)
         if evaluated and evaluated.problem:
             kind = "bad-expression"
         elif asset:
-            kind, found = self._open(layer, asset)
+            kind, found = self._open(layer, asset, site)
             if found is not None:
                 return
         else:
             return  # an expression that gives nothing, on purpose
-        site = Site("/", "subLayers", written, layer.identifier)
         for prim in ["/"] if layer in self._own else self._using(layer):
             yield Failure(prim, kind, "sublayer", written, "", site, evaluated)
 
@@ -261,7 +262,7 @@ class Failures:
                 found.append(path)
                 yield str(path)
 
-    def _open(self, layer: Sdf.Layer, asset: str) -> tuple[str, Sdf.Layer | None]:
+    def _open(self, layer: Sdf.Layer, asset: str, asked: Site) -> tuple[str, Sdf.Layer | None]:
         identifier = layer.ComputeAbsolutePath(asset)
         if identifier in self._opened_files:
             known = self._opened_files[identifier]
@@ -282,7 +283,7 @@ class Failures:
                     )
                 )
             case ParseProblem() as problem:
-                self._opened.unparsed.append(problem)
+                self._opened.unparsed.append(replace(problem, asked=asked))
             case opened:
                 found = opened
         self._opened_files[identifier] = found

@@ -217,7 +217,7 @@ def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterato
             opinion,
             said,
             label=f"not {KEY}",
-            help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
+            help=f'write {KEY} = "{opinion.value or "/path/of/the/settings"}" in the metadata of the root layer',
         )
 
 
@@ -262,6 +262,7 @@ def syntax_error(layer: Layer, context: Context) -> Iterator[Finding]:
         yield Finding(
             layer,
             layer.problem,
+            related=((layer.asked, "brings the layer in"),) if layer.asked else (),
             help="mend it: at worst the whole stage does not open, at best it reads as empty"
             if layer.site.target
             else "nothing in this layer takes part in the render until it parses",

@@ -63,10 +63,12 @@ def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if not _is_relative(target):
             continue
         written = target.as_written or (target.meant or "")[1:]
-        probably = "" if target.as_written else "probably written as "
+        said = f"<{written}> is relative to <{prim.path}>: it leads to <{target.path}>, which does not exist"
+        if not target.as_written:
+            said = f"<{target.path}> does not exist: it was probably written as <{written}>, which is relative to <{prim.path}>"
         yield Finding(
             target,
-            f"{probably}<{written}> is relative to <{prim.path}>: it leads to <{target.path}>, which does not exist",
+            said,
             label="no leading '/'",
             help=f"write <{target.meant or '/' + written}>",
         )
