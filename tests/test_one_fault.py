@@ -309,6 +309,7 @@ def test_a_failed_payload_is_not_called_a_reference() -> None:
         ("int2 proxyResolution = (2, 2)", ["unknown-property"]),
         ('token[] excludedPurposes = ["guide"]', ["unknown-property"]),
         ("bool enableMotionBlur = 1", ["unknown-property"]),
+        ("int resolutionX = 2", ["unknown-property"]),
         ("float pixelAspect = 1", ["misspelled-property"]),
         ("int2 resoluton = (2, 2)", ["misspelled-property"]),
     ],
@@ -326,6 +327,7 @@ def test_a_name_of_its_own_is_no_typo(written: str, told: list[str]) -> None:
         ("renderVar", ["unknown-prim-type"]),
         ("OmniRenderProduct", []),
         ("HoudiniRenderSettings", []),
+        ("PxrRenderSettings", []),
         ("RenderLayer", []),
     ],
 )
@@ -456,7 +458,8 @@ def test_settings_that_nobody_uses_and_that_share_a_product_are_told_once() -> N
 
 def test_vars_in_a_library_of_their_own_are_told_once() -> None:
     main = '#usda 1.0\ndef Scope "Vars"\n{\n    def RenderVar "A"\n    {\n        string sourceName = "Ci"\n    }\n}\n'
-    assert found(main) == ["outside-render-scope"]
+    assert found(main) == []  # to be referenced by a shot
+    assert found(main + WORLD) == ["outside-render-scope"]
 
 
 @pytest.mark.parametrize(

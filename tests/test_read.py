@@ -1203,7 +1203,9 @@ class TestScope:
             ("", True),
             ('over "Render" {\n    def RenderVar "v" {\n    }\n}\n', True),
             ('class "Render" {\n}\n', True),
-            ('over "Render" {\n}\ndef "World" {\n}\n', False),
+            ('over "Render" {\n}\ndef "World" {\n}\n', True),
+            ('over "Render" {\n    def RenderSettings "S" {\n    }\n}\ndef "World" {\n}\n', False),
+            ('def "World" {\n}\n', False),
         ],
     )
     def test_a_layer_of_overrides(self, scope: Read, main: str, overrides: bool) -> None:

@@ -152,6 +152,10 @@ class Target:
     """Why it is not live: the asset that did not open, the inactive ancestor."""
     candidates: tuple[Candidate, ...] = ()
     """Prims of the right type that may have been meant, best first; only for broken targets."""
+    only_in: str = ""
+    """Of a missing prim: the variant, not selected, that holds it, as `variant 'b' of 'look' on </World>`."""
+    perhaps_elsewhere: bool = False
+    """Missing in a part of a shot that holds nothing of its kind: the rest may bring it."""
 
     @property
     def written(self) -> Site:
@@ -578,7 +582,8 @@ class Pass(RenderPrim):
 
 @dataclass(frozen=True, slots=True)
 class OtherPrim:
-    """A prim in the render scope that is of none of the four types."""
+    """A prim in the render scope that is of none of the four types, or one elsewhere whose type is
+    nearly one of them."""
 
     path: str
     type_name: str
@@ -668,7 +673,7 @@ class ArcError:
     """A composition error: one cause, and how often it was met."""
 
     kind: str
-    """missing-asset, missing-prim, cycle, unopened-asset, other."""
+    """missing-asset, foreign-resolver, foreign-format, missing-prim, cycle ..."""
     arc: str
     """sublayer, reference, payload, inherits ..."""
     asset: str
@@ -815,7 +820,13 @@ class RenderScope:
     payloads: tuple[Site, ...]
     """Prims at or below the scopes that are brought in by a payload."""
     only_overrides: bool
-    """No layer defines anything: an override layer, a session layer or a mere header."""
+    """No layer defines the scope, nor settings in it: an override layer, a session layer or a mere
+    header."""
+    is_part: bool
+    """No layer defines anything but render prims and their groups: layers that bring the scene, and
+    its cameras, are to complete it."""
+    is_library: bool
+    """A part without settings, that names none: products, vars or passes for those of a shot."""
 
     def prims(self) -> Iterator[RenderPrim]:
         yield from self.settings

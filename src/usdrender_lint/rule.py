@@ -64,6 +64,8 @@ class Renderer:
     """File extensions for deep images beside exr, with the dot."""
     special_product_names: frozenset[str] = frozenset()
     """Names that are no files."""
+    unnamed_product: str = ""
+    """What it does with a product that has no name; empty: it writes no file."""
     camera_types: frozenset[str] = frozenset()
     """Prim types that may stand where a Camera is expected; a final * matches the rest."""
     data_types: frozenset[str] = frozenset()
@@ -78,8 +80,8 @@ class Renderer:
     """File extensions that it writes, in lower case, with the dot."""
     unsupported_extensions: frozenset[str] = frozenset()
     """Those of `extensions` that it does not write after all."""
-    folds_extension_case: bool = False
-    """`.EXR` is `.exr` to it."""
+    exact_extension_case: bool = False
+    """`.PNG` is no `.png` to it."""
     multi_channel_extensions: frozenset[str] = frozenset()
     """Beside exr, of files that hold any number of channels."""
     frame_tokens: tuple[str, ...] = ()

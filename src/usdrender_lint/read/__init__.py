@@ -36,6 +36,7 @@ from .evidence import read_evidence
 from .external import file_found, source_in_file
 from .members import applied_collections, widen_to_members
 from .metadata import authored_default, default_path, read_default
+from .parts import Part, defines, read_part
 from .strays import stray_paths
 from .targets import EXPECTED, Targets, state_of, type_is_known
 from .text import Texts
@@ -61,15 +62,19 @@ def read(opened: Opened, texts: Texts) -> RenderScope:
     widen_to_targets(opened, [*strays, *([default] if default else [])])
     widen_to_members(opened)
     failures = Failures(opened)
-    targets = Targets(opened, failures, texts)
+    part = read_part(opened, default)
+    targets = Targets(opened, failures, texts, part)
     if default:
         targets.suggest(Sdf.Path(default), "RenderSettings")
-    return _Reader(opened, failures, targets, texts).scope(strays)
+    return _Reader(opened, failures, targets, texts, part).scope(strays)
 
 
 class _Reader:
-    def __init__(self, opened: Opened, failures: Failures, targets: Targets, texts: Texts) -> None:
+    def __init__(
+        self, opened: Opened, failures: Failures, targets: Targets, texts: Texts, part: Part
+    ) -> None:
         self._opened = opened
+        self._part = part
         self._stage: Usd.Stage = opened.stage
         self._failures = failures
         self._targets = targets
@@ -100,7 +105,7 @@ class _Reader:
             tuple(self._products.values()),
             tuple(self._vars.values()),
             passes,
-            tuple(self._others()),
+            (*self._others(), *self._misspelt(strays)),
             tuple(s for path in outside if (s := self._stray(path))),
             read_default(self._opened, self._targets),
             self._failures.errors(_essential(everything, self._opened.scopes)),
@@ -110,7 +115,9 @@ class _Reader:
             tuple(self._missing_variants()),
             tuple(self._topmost(lambda p: bool(p.IsInstance()))),
             tuple(self._topmost(lambda p: bool(p.HasAuthoredPayloads()))),
-            _only_overrides(self._stage),
+            self._part.only_overrides,
+            self._part.is_part,
+            self._part.is_library,
         )
 
     def _is_inside(self, path: str) -> bool:
@@ -239,7 +246,7 @@ class _Reader:
                     state_of(prim),
                     Site(path),
                     _state_site(prim),
-                    _defines_render_prims(prim),
+                    defines(prim, RENDER_TYPES),
                     self._failures.hiding(path),
                 )
 
@@ -249,17 +256,26 @@ class _Reader:
             for prim in all_below(top) if top else ():
                 if is_render_prim(prim) or str(prim.GetPath()) == scope:
                     continue
-                path = str(prim.GetPath())
-                yield OtherPrim(
-                    path,
-                    str(prim.GetTypeName()),
-                    state_of(prim),
-                    type_is_known(prim),
-                    Site(path),
-                    read_properties(prim),
-                    self._failures.hiding(path) is not None,
-                    _content(prim),
-                )
+                yield self._other(prim)
+
+    def _misspelt(self, strays: list[str]) -> Iterator[OtherPrim]:
+        for path in strays:
+            prim = self._stage.GetPrimAtPath(path)
+            if prim and not is_render_prim(prim) and not type_is_known(prim):
+                yield self._other(prim)
+
+    def _other(self, prim: Usd.Prim) -> OtherPrim:
+        path = str(prim.GetPath())
+        return OtherPrim(
+            path,
+            str(prim.GetTypeName()),
+            state_of(prim),
+            type_is_known(prim),
+            Site(path),
+            read_properties(prim),
+            self._failures.hiding(path) is not None,
+            _content(prim),
+        )
 
     def _in_scopes(self) -> Iterator[Usd.Prim]:
         for scope in self._opened.scopes:
@@ -327,20 +343,6 @@ def _state_site(prim: Usd.Prim) -> Site:
     return Site(path, "specifier")
 
 
-def _defines_render_prims(prim: Usd.Prim) -> bool:
-    """Some layer *defines* a render prim below: an `over` alone may be meant for a weaker layer.
-
-    Asked of specs, because below an inactive prim nothing is composed.
-    """
-    pending = list(prim.GetPrimStack())
-    while pending:
-        spec = pending.pop()
-        if spec.specifier == Sdf.SpecifierDef and spec.typeName in RENDER_TYPES:
-            return True
-        pending.extend(spec.nameChildren)
-    return False
-
-
 def _essential(prims: list[RenderPrim], scopes: tuple[str, ...]) -> Iterator[str]:
     """Prims whose loss a render feels: the spec's own, and targets that are not plainly there."""
     yield from scopes
@@ -377,12 +379,4 @@ def _frames(stage: Usd.Stage) -> FrameRange:
         authored("endTimeCode"),
         float(stage.GetFramesPerSecond()),
         Site("/", "startTimeCode"),
-    )
-
-
-def _only_overrides(stage: Usd.Stage) -> bool:
-    return not any(
-        spec.specifier == Sdf.SpecifierDef
-        for layer in stage.GetLayerStack(includeSessionLayers=False)
-        for spec in layer.rootPrims
     )

@@ -33,6 +33,10 @@ _SPEC = re.compile(r" at (/\S*) in @(.*?)@: ")
 _OF_SUBLAYERS = {"ErrorInvalidSublayerPath", _EXPRESSION}
 
 
+_SCHEME = re.compile(r"[A-Za-z][\w+.-]+:")
+"""Of a URI, which a resolver of the studio or the host application reads; not a drive's letter."""
+
+
 @dataclass(frozen=True, slots=True)
 class Failure:
     """One arc that brings nothing."""
@@ -269,7 +273,7 @@ class Failures:
             return "" if known else "unopened-asset", known
         resolved = self._opened.stage.ResolveIdentifierToEditTarget(identifier)
         if not resolved:
-            return "missing-asset", None
+            return "foreign-resolver" if _SCHEME.match(asset) else "missing-asset", None
         member = resolved.endswith("]")
         if not member and not resolved.lower().endswith(USD_SUFFIXES):
             # A plug-in's format, such as Alembic: what it holds is not known without the plug-in.

@@ -92,11 +92,10 @@ def _problem(value: str) -> str | None:
 
 def _misspelled(stage: Usd.Stage) -> Iterator[MetadataOpinion]:
     root = stage.GetRootLayer()
-    data = root.customLayerData
-    for key in sorted(data):
-        if isinstance(data[key], str) and _looks_like(key, or_equal=True):
-            site = Site("/", f"customLayerData:{key}", layer=root.identifier)
-            yield MetadataOpinion(key, data[key], site, in_custom_data=True, counts=False)
+    for where, key, value in _strings_in(root.customLayerData):
+        if _looks_like(key, or_equal=True):
+            site = Site("/", f"customLayerData:{where}", layer=root.identifier)
+            yield MetadataOpinion(key, value, site, in_custom_data=True, counts=False)
     # A layer does not list keys that no plugin registers; the pseudo-root of the stage does.
     authored = stage.GetPseudoRoot().GetAllAuthoredMetadata()
     for key in sorted(authored):
@@ -104,6 +103,15 @@ def _misspelled(stage: Usd.Stage) -> Iterator[MetadataOpinion]:
         if isinstance(value, Sdf.UnregisteredValue) and _looks_like(key, or_equal=False):
             text = str(value.value).strip('"')
             yield MetadataOpinion(key, text, Site("/", key, layer=root.identifier), counts=False)
+
+
+def _strings_in(data: dict[str, Any], above: str = "") -> Iterator[tuple[str, str, str]]:
+    """Where each string of a dictionary stands, its key and itself."""
+    for key in sorted(data):
+        if isinstance(data[key], str):
+            yield above + key, key, data[key]
+        elif isinstance(data[key], dict):
+            yield from _strings_in(data[key], f"{above}{key}:")
 
 
 def _looks_like(key: str, *, or_equal: bool) -> bool:

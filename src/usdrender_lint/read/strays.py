@@ -9,14 +9,27 @@ from pathlib import Path
 
 from pxr import Sdf, Usd
 
-from ..model import RENDER_TYPES
 from .crate import mentions
 
-_WORD = re.compile(rb"\bRender(?:Settings|Product|Var|Pass)\b")
+_KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
+_TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")
+"""Of the names that come near a type's, only these are looked for outside the scopes."""
+_WORD = re.compile(  # with a literal beginning the search is eight times as fast
+    rb"ender(?:(?<=\bRender)(?:Settings|Product|Var|Pass)\b"
+    rb"|(?:(?<=\b[Rr]ender)|(?<=\bUsd[Rr]ender))" + _KIND.encode() + rb'(?=\s+"))'
+)
+_TOKENS = [
+    (usd + render + kind + end).encode()
+    for usd in ("", "Usd")
+    for render in ("Render", "render")
+    for kind in ("Setting", "setting", "Product", "product", "Var", "var", "Pass", "pass")
+    for end in ("", "s", "es")
+]
 
 
 def stray_paths(stage: Usd.Stage, scopes: tuple[str, ...]) -> list[str]:
-    """Composed paths of specs of a render type outside the scopes, in the root layer stack, sorted."""
+    """Composed paths of specs of a render type, or nearly of one, outside the scopes, in the root
+    layer stack, sorted."""
     found: set[str] = set()
     for layer in stage.GetLayerStack(includeSessionLayers=False):
         if _may_have_strays(layer, scopes):
@@ -32,7 +45,7 @@ def _may_have_strays(layer: Sdf.Layer, scopes: tuple[str, ...]) -> bool:
     with Path(file).open("rb") as stream:
         head = stream.read(8)
     if head.startswith(b"PXR-USDC"):
-        return mentions(file, [t.encode() for t in RENDER_TYPES]) is not False
+        return mentions(file, _TOKENS) is not False
     if head.startswith(b"PK"):
         return True
     # Every typed spec has its type's name in the text once. Where the scopes account for all of
@@ -52,15 +65,19 @@ def _inside(layer: Sdf.Layer, scopes: tuple[str, ...]) -> int:
     count = 0
     for scope in scopes:
         if spec := layer.GetPrimAtPath(scope):
-            count += sum(s.typeName in RENDER_TYPES for s in _walk(spec))
+            count += sum(_is_wanted(s) for child in spec.nameChildren for s in _walk(child))
     return count
 
 
 def _outside(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterator[str]:
     for root in layer.rootPrims:
         for spec in _walk(root, skip=scopes):
-            if spec.typeName in RENDER_TYPES:
+            if _is_wanted(spec):
                 yield str(spec.path.StripAllVariantSelections())
+
+
+def _is_wanted(spec: Sdf.PrimSpec) -> bool:
+    return bool(_TYPE.fullmatch(spec.typeName))
 
 
 def _walk(spec: Sdf.PrimSpec, skip: tuple[str, ...] = ()) -> Iterator[Sdf.PrimSpec]:
@@ -69,7 +86,7 @@ def _walk(spec: Sdf.PrimSpec, skip: tuple[str, ...] = ()) -> Iterator[Sdf.PrimSp
         one = pending.pop()
         if skip and str(one.path) in skip:
             # A render prim *at* the scope's own path is outside, too.
-            if one.typeName in RENDER_TYPES:
+            if _is_wanted(one):
                 yield one
             continue
         yield one

@@ -11,6 +11,7 @@ from ..records import dataclass
 from ..sites import listed, node_of, out_of_namespace_of
 from ..stage import Opened, render_prims, widen
 from .arcs import Failures
+from .parts import Part
 from .text import Texts
 
 EXPECTED = {
@@ -72,11 +73,12 @@ class Targets:
     done once, here, before anybody reads.
     """
 
-    def __init__(self, opened: Opened, failures: Failures, texts: Texts) -> None:
+    def __init__(self, opened: Opened, failures: Failures, texts: Texts, part: Part) -> None:
         self._opened = opened
         self._stage: Usd.Stage = opened.stage
         self._failures = failures
         self._texts = texts
+        self._part = part
         self._meant: dict[str, str] = {}
         self._candidates: dict[tuple[str, str], tuple[Candidate, ...]] = {}
         self._survey()
@@ -142,6 +144,7 @@ class Targets:
             found.type_known,
             because=found.because,
             candidates=candidates,
+            only_in=self._variant_with(Sdf.Path(path)) if found.state is State.MISSING else "",
         )
 
     def _target(
@@ -156,6 +159,7 @@ class Targets:
         written: str | None = None
         relative = False
         meant = self._meant.get(str(path)) if not via else None
+        candidates = self._candidates.get((str(path), expected or ""), ())
         below_owner = path.HasPrefix(owner.GetPath()) and path.GetPrimPath() != owner.GetPath()
         if found.state is State.MISSING and below_owner and not via:
             written = self._texts.written_target(self._stage, site)
@@ -174,7 +178,11 @@ class Targets:
             relative,
             meant,
             found.because,
-            self._candidates.get((str(path), expected or ""), ()),
+            candidates,
+            self._variant_with(path) if found.state is State.MISSING else "",
+            found.state is State.MISSING
+            and not candidates
+            and (self._part.is_library or (self._part.is_part and expected == "Camera")),
         )
 
     def _forward(
@@ -231,6 +239,21 @@ class Targets:
         if asset := self._failures.hiding(str(path)):
             return _Found(State.UNKNOWN, because=asset)
         return _Found(State.MISSING)
+
+    def _variant_with(self, path: Sdf.Path) -> str:
+        """The variant that would bring a prim which is not there."""
+        wanted = path.GetPrimPath()
+        for above in reversed(wanted.GetPrefixes()[:-1]):
+            prim = self._stage.GetPrimAtPath(above)
+            for spec in prim.GetPrimStack() if prim else ():
+                for name in spec.variantSets.keys():  # noqa: SIM118 no dictionary of Python's
+                    selected = prim.GetVariantSet(name).GetVariantSelection()
+                    for variant in spec.variantSets[name].variants.keys():  # noqa: SIM118
+                        inside = spec.path.AppendVariantSelection(name, variant)
+                        there = wanted.ReplacePrefix(above, inside)
+                        if variant != selected and spec.layer.GetPrimAtPath(there):
+                            return f"variant '{variant}' of '{name}' on <{above}>"
+        return ""
 
     def _nearest(self, path: Sdf.Path) -> Usd.Prim:
         """The prim at the path, else the closest one above it that is on the stage."""

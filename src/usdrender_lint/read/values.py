@@ -14,6 +14,7 @@ from ..model import RENDER_TYPES, Attr, Property, Site, ValueState
 T = TypeVar("T")
 
 _VARYING = ("timeSamples", "spline")
+_OPINIONS = ("default", *_VARYING, "targetPaths")
 
 
 def plain_text(value: Any) -> str:
@@ -183,6 +184,8 @@ def _read_property(
         valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))
         spec = next(valued, spec)
     is_rel = isinstance(spec, Sdf.RelationshipSpec)
+    if is_rel:  # a stronger layer may declare it, and a weaker one name the targets
+        spec = next((s for s in stack if s.HasInfo("targetPaths")), spec)
     schema_attr = definition.GetSchemaAttributeSpec(name) if is_schema and not wanted_rel else None
     allowed = _allowed(schema_attr)
     refused = _refused(spec, allowed) if allowed and not is_rel else ()
@@ -202,7 +205,7 @@ def _read_property(
         schema_attr is None or is_rel or same_storage(spec.typeName, schema_attr.typeName),
         () if is_schema else owners_of(name),
         bool(spec.custom),
-        is_rel or spec.HasInfo("default") or spec.HasInfo("timeSamples") or spec.HasInfo("spline"),
+        any(spec.HasInfo(field) for field in _OPINIONS),
         not is_rel and spec.variability == Sdf.VariabilityUniform,
         schema_attr is not None and schema_attr.variability == Sdf.VariabilityUniform,
         refused,

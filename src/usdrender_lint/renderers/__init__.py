@@ -5,8 +5,9 @@ One TOML file a renderer. What `any` accepts, all accept. All keys but `title` a
     title = "Arnold"                  as the summary calls it
     product-types = [...]             productType values beside the schema's own
     deep-types = [...]                those of them that write deep images
-    deep-extensions = [".rat"]        extensions for deep images beside .exr
+    deep-extensions = [".rat"]        extensions for deep images beside .exr; for `any` those of all renderers
     special-product-names = [...]     product names that are no files
+    unnamed-product = "..."           what it does with a product that has no name
     camera-types = ["OmniSensor*"]    prim types accepted where a Camera is expected
     data-types = [...]                dataType values beside USD's value types
     unsupported-data-types = [...]    value types of USD that it does not take for dataType
@@ -14,7 +15,7 @@ One TOML file a renderer. What `any` accepts, all accept. All keys but `title` a
     source-name-attributes = [...]    attributes (* matches) that may stand for a var's sourceName
     extensions = [".exr"]             of the files that it writes; for `any` those of all renderers
     unsupported-extensions = [".jpg"] which `any` lists and it does not write
-    folds-extension-case = true       .EXR is .exr to it
+    exact-extension-case = true       .PNG is no .png to it
     multi-channel-extensions = [...]  of files beside .exr that hold any number of channels
     frame-tokens = ['[$]F[0-9]*']     regular expressions that it replaces by the frame in a product's name
     name-variables = ['[$]\w+']       regular expressions of what else it expands in a product's name
@@ -89,7 +90,7 @@ def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
         table["title"],
         product_types=listed("product-types"),
         deep_types=listed("deep-types"),
-        deep_extensions=listed("deep-extensions"),
+        deep_extensions=_every("deep-extensions") if name == ANY else listed("deep-extensions"),
         special_product_names=listed("special-product-names"),
         camera_types=listed("camera-types"),
         data_types=listed("data-types"),
@@ -97,9 +98,10 @@ def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
         host_prims=listed("host-prims"),
         source_name_attributes=listed("source-name-attributes"),
         properties=listed("properties"),
+        unnamed_product=table.get("unnamed-product", ""),
         extensions=_every("extensions") if name == ANY else listed("extensions"),
         unsupported_extensions=listed("unsupported-extensions"),
-        folds_extension_case=bool(table.get("folds-extension-case")),
+        exact_extension_case=bool(table.get("exact-extension-case")),
         multi_channel_extensions=listed("multi-channel-extensions"),
         frame_tokens=ordered("frame-tokens"),
         name_variables=ordered("name-variables"),

@@ -49,7 +49,9 @@ def nearest(name: str, known: Iterable[str], least: float = SIMILAR) -> str | No
 
 
 def _extends(name: str, known: str) -> bool:
-    """`resolutionScale` and `proxyResolution` are names of their own, not a misspelt `resolution`."""
+    """`resolutionX` and `proxyResolution` are names of their own, not a misspelt `resolution`."""
+    if name.startswith(known) and name[len(known) :][:1].isupper():
+        return True
     long, short = name.lower(), known.lower()
     return len(long) - len(short) > _ENDING and (long.startswith(short) or long.endswith(short))
 

@@ -105,6 +105,8 @@ def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
 def inverted_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
     """The shutter closes before it opens."""
     opens, closes = camera.shutter_open, camera.shutter_close
+    if camera.views and not any(_blurs(v) for v in camera.views):
+        return  # nobody asks when it closes
     for time, (first, last) in camera.over_time(opens, closes):
         if last < first:
             written = closes if closes.authored else opens
@@ -124,11 +126,7 @@ def inverted_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
 @rule("zero-shutter", on=Camera, severity=Severity.NOTE, since="0.1", default=False)
 def zero_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
     """Motion blur is on, and the shutter is never open."""
-    blurred = [
-        v
-        for v in camera.views
-        if not (v.disable_motion_blur.value or v.instantaneous_shutter.value)
-    ]
+    blurred = [v for v in camera.views if _blurs(v)]
     opens, closes = camera.shutter_open, camera.shutter_close
     moments = list(camera.over_time(opens, closes))
     if blurred and all(first == last for _, (first, last) in moments):
@@ -139,6 +137,10 @@ def zero_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
             label="no time between",
             help="write shutter:open = -0.25 and shutter:close = 0.25, or disableMotionBlur = true",
         )
+
+
+def _blurs(view: View) -> bool:
+    return not (view.disable_motion_blur.value or view.instantaneous_shutter.value)
 
 
 @rule("invalid-clipping-range", on=Camera, severity=Severity.ERROR, since="0.1")

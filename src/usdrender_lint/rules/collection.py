@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..model import Collection, HasSite, Pass, Target, ValueState
 from ..rule import Context, Finding, Severity, rule
 from ._collections import VISIBILITY, includes_all, is_written
+from ._handful import handful
 from ._words import one_of
 
 GROUP = "collection"
@@ -211,12 +212,16 @@ def _refused(found: Collection) -> Iterator[Finding]:
     if any(map(_is_collection, stray)):
         return  # that excluding a collection has no effect is said anyway
     if stray and not found.others:
-        yield Finding(
-            stray[0],
-            f"'{found.name}' excludes <{stray[0].path}>, which nothing includes: USD refuses the collection",
-            label="not included",
-            help="remove it, or include a prim above it",
+        told = (
+            Finding(
+                target,
+                f"'{found.name}' excludes <{target.path}>, which nothing includes: USD refuses the collection",
+                label="not included",
+                help="remove it, or include a prim above it",
+            )
+            for target in stray
         )
+        yield from handful(told, "excludes")
     else:
         yield Finding(
             found.excludes,

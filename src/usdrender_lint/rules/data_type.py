@@ -155,7 +155,7 @@ def nonstandard_data_type(scope: RenderScope, context: Context) -> Iterator[Find
     found = (
         Finding(
             var.data_type,
-            f"dataType '{var.data_type.value}' is no type of USD: RenderMan and husk know it, others take a color",
+            f"dataType '{var.data_type.value}' is no type of USD: some renderers know it, others take a color",
             label="not a type of USD",
             help="write a type of USD, if other renderers read this: half for float16, color3f for colors",
         )

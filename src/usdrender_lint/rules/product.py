@@ -50,7 +50,7 @@ def empty_product_name(product: Product, context: Context) -> Iterator[Finding]:
     }.get(name.state, "is not set")
     yield Finding(
         name,
-        f"productName of <{product.path}> {said}: there is no file to write",
+        f"productName of <{product.path}> {said}: {context.renderer.unnamed_product or 'there is no file to write'}",
         label="no name",
         help=f'name the file: token productName = "{product.name}.exr"',
     )
@@ -78,6 +78,29 @@ def duplicate_product_name(settings: Settings, context: Context) -> Iterator[Fin
                 related=((earlier.product_name, "writes it first"),),
                 severity=Severity.WARNING if fold else None,
             )
+
+    for product, earlier in _same_default(products, context):
+        if product.path not in told:
+            yield Finding(
+                product.product_name,
+                f"'{product.product_name.value}' is the default name of <{earlier.path}> too:"
+                " what reads names without a time writes one file over the other",
+                label="same default",
+                help="give each product of a render a name of its own, or leave the samples alone",
+                related=((earlier.product_name, "has it first"),),
+                severity=Severity.WARNING,
+            )
+
+
+def _same_default(products: list[Product], context: Context) -> Iterator[tuple[Product, Product]]:
+    """Where samples tell names apart that are one at the default time."""
+    first: dict[str, Product] = {}
+    for product in products:
+        name = product.product_name.value
+        if name and name not in context.renderer.special_product_names:
+            earlier = first.setdefault(_normal(name, fold=False), product)
+            if earlier is not product:
+                yield product, earlier
 
 
 def _files(product: Product, context: Context) -> dict[float | None, str]:
@@ -168,15 +191,24 @@ def deep_needs_exr(product: Product, context: Context) -> Iterator[Finding]:
         return
     if any(product.has(attribute) for attribute in DRIVER_ATTRIBUTES):
         return
-    extension = extension_of(name).lower()
+    extension = extension_of(name)
+    if not context.renderer.exact_extension_case:
+        extension = extension.lower()
     if extension in {".exr", *context.renderer.deep_extensions}:
         return
-    found = f"'{extension}' files hold" if extension else "a name without extension gets"
+    is_dtex = extension.lower() == ".dtex"
+    if is_dtex:
+        found = "by the name '.dtex' RenderMan writes"
+    else:
+        found = f"'{extension}' files hold" if extension else "a name without extension gets"
     yield Finding(
         product.product_name,
         f"{found} no deep data: <{product.path}> is '{product.product_type.value}' but will be written flat",
         label="not .exr",
-        help="write an .exr, or make it productType 'raster'",
+        help='name the driver, too: token ri:productType = "deepshad"'
+        if is_dtex
+        else "write an .exr, or make it productType 'raster'",
+        severity=Severity.WARNING if is_dtex else None,
         related=((product.product_type, "makes it deep"),) if product.product_type.authored else (),
     )
 

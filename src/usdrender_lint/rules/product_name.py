@@ -100,7 +100,9 @@ def unsupported_extension(scope: RenderScope, context: Context) -> Iterator[Find
 
 
 def _is_written(extension: str, renderer: Renderer) -> bool:
-    plain = extension.lower() if renderer.folds_extension_case else extension
+    plain = extension.lower()
+    if renderer.exact_extension_case and plain != extension:
+        return plain == ".exr"  # what it writes under a name that it does not know
     return plain in renderer.extensions - renderer.unsupported_extensions
 
 
@@ -117,7 +119,7 @@ def _unsupported(product: Product, name: str, renderer: Renderer) -> Finding:
         said = f"{quoted(name)} has no extension, which tells renderers the format: some write OpenEXR, some refuse"
         help_, label = f"add one, such as {name.rstrip('.')}.exr", "no extension"
     elif extension.lower() in known:
-        said = f"'{extension}' is not '{extension.lower()}' to every renderer: RenderMan writes OpenEXR under that name"
+        said = f"'{extension}' is not '{extension.lower()}' to {renderer.title}: it writes OpenEXR under that name"
         help_, label = f"write {name.removesuffix(extension)}{extension.lower()}", "upper case"
     else:
         said = f"'{extension}' is a format that renderers do not write: they put OpenEXR under that name, or refuse"

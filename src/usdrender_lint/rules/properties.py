@@ -121,9 +121,10 @@ def unknown_prim_type(scope: RenderScope, context: Context) -> Iterator[Finding]
 
 
 def _meant_type(name: str) -> str | None:
-    bare = name.removeprefix("Usd")
+    bare = name[3:] if name.lower().startswith("usd") else name
     best = max(RENDER_TYPES, key=lambda t: likeness(bare, t))
-    # Below this stand the names that plug-ins give their own types, such as OmniRenderProduct.
+    if bare != best and bare.endswith(best):
+        return None  # a plug-in's own, such as PxrRenderSettings
     return best if likeness(bare, best) >= 0.87 else None
 
 
@@ -136,12 +137,14 @@ def _meant_type(name: str) -> str | None:
 )
 def untyped_render_prim(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A prim has the properties of a render prim and no type."""
+    rels = [rel for prim in scope.prims() for rel in prim.rels]
+    forwarding = {by for rel in rels for target in rel.targets for by in target.via}
     for prim in scope.others:
         if prim.type_name or prim.state is not State.LIVE or prim.behind_failed_arc:
             continue
         names = [p.name for p in prim.properties if p.belongs_to]
-        if not names:
-            continue
+        if all(f"{prim.path}.{name}" in forwarding for name in names):
+            continue  # nothing of a render prim, or a hub that others' targets pass through
         meant = _types_with(prim)
         quoted = joined([f"'{n}'" for n in names[:4]])
         yield Finding(

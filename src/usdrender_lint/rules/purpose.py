@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 
 from ..model import Settings, ValueState
 from ..rule import Context, Finding, Severity, rule
 from ._purposes import ALL_PURPOSE
-from ._words import nearest, one_of, spelt
+from ._words import joined, nearest, one_of, spelt
 
 GROUP = "purpose"
 
@@ -40,6 +41,21 @@ def unknown_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
         if meant
         else f"purposes are {one_of(PURPOSES)}",
     )
+
+
+@rule("repeated-purpose", on=Settings, severity=Severity.NOTE, since="0.1")
+def repeated_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
+    """A list of purposes holds one of them twice."""
+    for attr in (settings.included_purposes, settings.material_binding_purposes):
+        counts = Counter(attr.value)
+        twice = [p for p, count in counts.items() if count > 1]
+        if twice:
+            yield Finding(
+                attr,
+                f"{attr.name} holds {joined([spelt(p) for p in twice])} more than once: was another purpose meant?",
+                label="twice the same",
+                help="leave one, or write the purpose that is missing",
+            )
 
 
 @rule("proxy-with-render", on=Settings, severity=Severity.WARNING, since="0.1")
@@ -179,7 +195,7 @@ def empty_material_purposes(settings: Settings, context: Context) -> Iterator[Fi
     on=Settings,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("houdini-all-purpose",),
+    supersedes=("houdini-all-purpose", "repeated-purpose"),
 )
 def material_purpose_order(settings: Settings, context: Context) -> Iterator[Finding]:
     """Bindings for all purposes are looked up before those for a special one."""

@@ -43,6 +43,8 @@ def _misnamed_root(scope: RenderScope, stray: Stray) -> str | None:
 )
 def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A render prim does not stand below `/Render`."""
+    if scope.is_library:
+        return  # it stands where its library has it, until a reference brings it in
     groups: dict[str, list[Stray]] = {}
     for stray in scope.strays:
         if stray.state is not State.ABSTRACT:  # a class instantiates nothing

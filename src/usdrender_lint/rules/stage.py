@@ -59,16 +59,35 @@ def default_settings_unset(scope: RenderScope, context: Context) -> Iterator[Fin
 def default_settings_unresolved(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to no prim."""
     target = scope.default.target
-    has_prims = scope.scopes or scope.strays or not scope.only_overrides
-    if target is None or target.state is not State.MISSING or not has_prims:
+    if target is None or target.state is not State.MISSING:
         return
+    if scope.only_overrides:
+        yield from _defined_elsewhere(scope, target, "do not exist here")
+        return
+    only = f": they are only in {target.only_in}, which is not selected" if target.only_in else ""
     yield Finding(
         target,
-        f"the default render settings <{target.path}> do not exist",
-        label="no prim here",
-        help=did_you_mean(target, "RenderSettings", "RenderSettings"),
+        f"the default render settings <{target.path}> do not exist{only}",
+        label="in another variant" if only else "no prim here",
+        help="select that variant, or name settings that all variants have"
+        if only
+        else did_you_mean(target, "RenderSettings", "RenderSettings"),
         related=_first_candidate(target),
     )
+
+
+def _defined_elsewhere(scope: RenderScope, target: Target, state: str) -> Iterator[Finding]:
+    """An override layer leaves its settings to a weaker one. Where it brings a scene, it may also be
+    the shot itself."""
+    if not scope.is_part:
+        yield Finding(
+            target,
+            f"the default render settings <{target.path}> {state}, where the render scope is only overridden",
+            label="not defined here",
+            help="right in a layer that stands above the one that defines them",
+            related=(why_not_live(target),) if target.state is State.OVER else (),
+            severity=Severity.NOTE,
+        )
 
 
 def _first_candidate(target: Target) -> tuple[tuple[Site, str], ...]:
@@ -117,7 +136,8 @@ def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterato
             target,
             f"the default render settings <{target.path}> are of the unknown type '{target.type_name}'",
             label="a plug-in's type, or a typo",
-            severity=Severity.WARNING,
+            help="what a plug-in makes of it is unknown here, and was not looked at",
+            severity=Severity.NOTE,
         )
         return
     kind = a_or_an(target.type_name) if target.type_name else "a prim without a type"
@@ -139,7 +159,11 @@ def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterato
 def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings are inactive, only an `over`, or abstract."""
     target = scope.default.target
-    if target is None or scope.only_overrides:
+    if target is None:
+        return
+    if scope.only_overrides:
+        if target.state is State.OVER:
+            yield from _defined_elsewhere(scope, target, "are only an 'over'")
         return
     why = {
         State.INACTIVE: "are inactive",
@@ -171,7 +195,8 @@ def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterat
     """A sublayer sets the default settings, where USD does not look."""
     used = scope.default.opinion
     if used is None or not used.value:
-        yield from _only_in_sublayers([o for o in scope.default.sublayers if o.value])
+        told = [o for o in scope.default.sublayers if o.value]
+        yield from _only_in_sublayers(told, scope)
         return
     for opinion in scope.default.sublayers:
         if used.value != opinion.value:
@@ -185,15 +210,23 @@ def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterat
             )
 
 
-def _only_in_sublayers(opinions: list[MetadataOpinion]) -> Iterator[Finding]:
+def _only_in_sublayers(opinions: list[MetadataOpinion], scope: RenderScope) -> Iterator[Finding]:
     """What the root layer lacks it lacks once, in however many sublayers it stands."""
+    settings = _live(scope)
     for opinion in opinions[:1]:
+        leads = any(s.path == opinion.value for s in settings)
+        nowhere = "" if leads else f", and no RenderSettings stand at '{opinion.value}'"
+        if leads:
+            todo = f'write {KEY} = "{opinion.value}" in the metadata of the root layer'
+        else:
+            todo = _author(settings) if settings else "remove it"
         yield Finding(
             opinion,
-            f"{KEY} has no effect in a sublayer: the stage has no default render settings",
+            f"{KEY} has no effect in a sublayer: the stage has no default render settings{nowhere}",
             label="not read",
-            help=f'write {KEY} = "{opinion.value}" in the metadata of the root layer',
+            help=todo,
             related=tuple((o, f"says '{o.value}', and is not read either") for o in opinions[1:]),
+            severity=None if leads else Severity.WARNING if settings else Severity.NOTE,
         )
 
 
@@ -226,8 +259,10 @@ def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding
     """There are products or vars and no RenderSettings that could use them."""
     # A pass says itself that its render source is missing.
     prims = [p for p in (*scope.products, *scope.vars) if p.live]
-    if not prims or scope.settings or _may_be_settings(scope):
+    if not prims or scope.settings or scope.is_part or _may_be_settings(scope):
         return
+    if scope.passes and all(p.file_name.value for p in scope.passes):
+        return  # the files of other applications say how to render
     first = min(prims, key=lambda p: p.path)
     kinds = sorted({p.type_name for p in prims})
     above = next((s for s in scope.scopes if first.path.startswith(s.path + "/")), None)
@@ -279,7 +314,7 @@ def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]
             f"{_what_failed(error)}{times}",
             label="leads back" if error.kind in _CYCLES else "not composed",
             help=_what_to_do(error),
-            severity=_how_bad(error),
+            severity=_how_bad(error, scope),
             related=(*_further(error), *_hidden(scope, error)),
         )
 
@@ -290,10 +325,13 @@ def _further(error: ArcError) -> Iterator[tuple[Site, str]]:
     yield from ((site, "is what the variable says") for site in error.variables[:2])
 
 
-def _how_bad(error: ArcError) -> Severity | None:
-    if error.asset.startswith(_NETWORK) or error.kind == "foreign-format":
-        return Severity.NOTE  # a resolver of the studio or the host application may fetch it
-    return None if error.touches_spec else Severity.WARNING
+def _how_bad(error: ArcError, scope: RenderScope) -> Severity | None:
+    if error.kind in ("foreign-format", "foreign-resolver"):
+        return Severity.NOTE  # a plug-in of the studio or the host application may bring it
+    # Without a render spec nothing is lost for certain.
+    prims = any(p.state is not State.ABSTRACT for p in scope.prims())
+    has_spec = prims or scope.scopes or scope.default.opinion
+    return None if error.touches_spec and has_spec else Severity.WARNING
 
 
 def _what_failed(error: ArcError) -> str:
@@ -301,10 +339,12 @@ def _what_failed(error: ArcError) -> str:
     match error.kind:
         case "foreign-format":
             return f"the {error.arc} @{error.asset}@{into} needs a plug-in of USD: it was not looked at"
-        case "missing-asset" if error.asset.startswith(_NETWORK):
+        case "foreign-resolver" if error.asset.startswith(_NETWORK):
             return f"the {error.arc} @{error.asset}@{into} is on the network: it was not looked at"
         case "missing-asset" if error.said:
             return f"the {error.arc} @{error.asset}@{into} comes to '{error.said}', which leads to no file"
+        case "foreign-resolver":
+            return f"the {error.arc} @{error.asset}@{into} needs a resolver that is not here: it was not looked at"
         case "missing-asset":
             return f"the {error.arc} @{error.asset}@{into} leads to no file"
         case "bad-expression":
@@ -331,9 +371,7 @@ def _what_failed(error: ArcError) -> str:
 
 def _what_to_do(error: ArcError) -> str:
     match error.kind:
-        case "foreign-format":
-            return "what it holds is unknown here, not missing"
-        case "missing-asset" if error.asset.startswith(_NETWORK):
+        case "foreign-format" | "foreign-resolver":
             return "what it holds is unknown here, not missing"
         case "missing-asset" if error.unset:
             return f"write {joined(error.unset)} in the expressionVariables of the root layer"

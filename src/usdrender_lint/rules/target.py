@@ -81,6 +81,25 @@ def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if target.state is not State.MISSING or _is_host_prim(target, context.renderer):
             continue
         what, kind, plural = _WANTED[rel.name]
+        if target.perhaps_elsewhere and not target.only_in:
+            yield Finding(
+                target.written,
+                f"{what} <{target.path}> is not here: this layer holds render prims only",
+                label="not in this layer",
+                help="lint the shot that brings both in, to see whether it is there",
+                related=tuple(start_of(target)),
+                severity=Severity.NOTE,
+            )
+            continue
+        if target.only_in:
+            yield Finding(
+                target.written,
+                f"{what} <{target.path}> does not exist: it is only in {target.only_in}, which is not selected",
+                label="in another variant",
+                help="select that variant, or point at a prim that all variants have",
+                related=tuple(start_of(target)),
+            )
+            continue
         yield Finding(
             target.written,
             f"{what} <{target.path}> does not exist",
@@ -101,8 +120,8 @@ def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if target.state in (State.MISSING, State.UNKNOWN) or not _is_wrong(target, kind, context):
             continue
         if target.is_property:
-            if rel.name == "renderSource":
-                continue  # a node of another application, named by an attribute
+            if isinstance(prim, Pass) and prim.command.value:
+                continue  # a node of the application that the command starts
             found = "a property"
         else:
             found = a_or_an(target.type_name) if target.type_name else "a prim without a type"

@@ -36,6 +36,9 @@ def empty_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]
 
 def _named_otherwise(var: Var, context: Context) -> bool:
     patterns = context.renderer.source_name_attributes
+    if var.source_type.value in ("lpe", "primvar"):
+        # The name of the channel says neither the expression nor the primvar.
+        patterns = patterns.difference(context.renderer.aov_name_attributes)
     return any(fnmatchcase(p.name, pattern) for p in var.properties for pattern in patterns)
 
 

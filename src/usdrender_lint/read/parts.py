@@ -1,0 +1,75 @@
+"""Is the stage all of a shot, or a part that other layers complete?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from pxr import Sdf, Usd
+
+from ..model import RENDER_TYPES
+from ..stage import Opened, render_prims
+
+_SPECS = 1000
+"""Of a root prim that may be a mere group of render prims."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What the model says of it, under the same names."""
+
+    only_overrides: bool
+    is_part: bool
+    is_library: bool
+
+
+def read_part(opened: Opened, default: str | None) -> Part:
+    """`default`: the path of the settings that the stage names."""
+    stage, scopes = opened.stage, opened.scopes
+    is_part = all(
+        str(root.path) in scopes or _is_group_of_render_prims(root)
+        for root in _defined_roots(stage)
+    )
+    has_settings = any(p.IsA("RenderSettings") for p in render_prims(opened))
+    return Part(_only_overrides(stage, scopes), is_part, is_part and not (has_settings or default))
+
+
+def defines(prim: Usd.Prim, types: tuple[str, ...]) -> bool:
+    """Some layer *defines* a prim of these types at or below: an `over` alone may be meant for a
+    weaker layer.
+
+    Asked of specs, because below an inactive prim nothing is composed.
+    """
+    pending = list(prim.GetPrimStack())
+    while pending:
+        spec = pending.pop()
+        if spec.specifier == Sdf.SpecifierDef and spec.typeName in types:
+            return True
+        pending.extend(spec.nameChildren)
+    return False
+
+
+def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...]) -> bool:
+    tops = [top for scope in scopes if (top := stage.GetPrimAtPath(scope))]
+    if not tops or not any(_defined_roots(stage)):
+        return not any(_defined_roots(stage))
+    return not any(top.IsDefined() or defines(top, ("RenderSettings",)) for top in tops)
+
+
+def _defined_roots(stage: Usd.Stage) -> Iterator[Sdf.PrimSpec]:
+    for layer in stage.GetLayerStack(includeSessionLayers=False):
+        yield from (s for s in layer.rootPrims if s.specifier == Sdf.SpecifierDef)
+
+
+def _is_group_of_render_prims(root: Sdf.PrimSpec) -> bool:
+    pending, found = [root], False
+    for _ in range(_SPECS):
+        if not pending:
+            return found
+        spec = pending.pop()
+        is_render_prim = spec.typeName in RENDER_TYPES
+        found = found or is_render_prim
+        if not is_render_prim and (spec.typeName not in ("", "Scope") or spec.hasReferences):
+            return False
+        pending.extend(spec.nameChildren)
+    return False
