@@ -503,3 +503,87 @@ def test_a_rule_that_is_off_for_a_renderer_takes_nothing_away() -> None:
     main = stage(var="string sourceName = None")
     _, marks = lint_files({"main.usda": main}, renderer="moonray")
     assert [m.rule for m in marks] == ["blocked-value"]
+
+
+TWO = "rel camera = </World/cam>\n        rel products = [</Render/P>, </Render/Q>]"
+SECOND = (
+    '    def RenderProduct "Q"\n    {\n        token productName = "/out/q.exr"\n'
+    "        rel orderedVars = </Render/v>\n    }\n"
+)
+
+
+def test_a_dead_prim_is_told_once_whoever_leads_to_it() -> None:
+    """One line brings it to life for all."""
+    dead = "(\n        active = false\n    )"
+    report, marks = lint_files({"main.usda": stage(TWO, more=SECOND, on_var=dead)})
+    assert [m.rule for m in marks] == ["dead-target"]
+    places = [p.message for p in report.findings[0].related]
+    assert places == ["is switched off here", "leads there, too"]
+
+
+def test_of_all_that_lead_to_a_dead_prim_the_worst_is_told() -> None:
+    """A product that loses one of two vars is less than one that loses its only var."""
+    dead = '    def RenderVar "w" (\n        active = false\n    )\n    {\n        string sourceName = "a"\n    }\n'
+    product = PRODUCT.replace("</Render/v>", "[</Render/v>, </Render/w>]")
+    second = SECOND.replace("/Render/v", "/Render/w")
+    _, marks = lint_files({"main.usda": stage(TWO, product, more=dead + second)})
+    assert [(m.rule, m.severity) for m in marks] == [("dead-target", "error")]
+
+
+def test_two_dead_prims_are_told_twice() -> None:
+    dead = '    def RenderVar "w" (\n        active = false\n    )\n    {\n        string sourceName = "a"\n    }\n'
+    product = PRODUCT.replace("</Render/v>", "[</Render/v>, </Render/w>]")
+    main = stage(product=product, more=dead, on_var="(\n        active = false\n    )")
+    assert found(main) == ["dead-target", "dead-target"]
+
+
+def test_a_var_may_be_what_a_product_without_vars_should_list() -> None:
+    product = 'token productName = "/out/a.exr"'
+    spare = '    def RenderVar "w"\n    {\n        string sourceName = "albedo"\n    }\n'
+    assert found(stage(TWO, product, more=SECOND + spare)) == ["product-without-vars"]
+    assert found(stage(TWO, more=SECOND + spare)) == ["orphan-var"]
+
+
+def test_a_misspelt_camera_of_the_settings_is_what_their_products_lack() -> None:
+    settings = TWO.replace("rel camera", "rel camra")
+    own = PRODUCT + "\n        rel camera = </World/cam>"
+    assert found(stage(settings, own, more=SECOND)) == ["misspelled-property"]
+
+
+CLOSES_FIRST = (
+    'def Xform "World"\n{\n    def Camera "cam"\n    {\n        double shutter:open = 1\n'
+    "        double shutter:close = 0\n    }\n}\n"
+)
+
+
+@pytest.mark.parametrize(
+    ("camera", "told"),
+    [
+        ("</World/cma>", ["inverted-shutter", "unresolved-target"]),
+        ("<World/cam>", ["inverted-shutter", "relative-target"]),
+        ("</World/other_thing>", ["unresolved-target"]),
+        ("</World>", ["wrong-target-type"]),
+    ],
+)
+def test_a_camera_is_judged_though_its_name_is_misspelt(camera: str, told: list[str]) -> None:
+    """Both must be mended, and the second need not wait for the first."""
+    settings = f"rel camera = {camera}\n        rel products = </Render/P>"
+    assert sorted(found(stage(settings, world=CLOSES_FIRST))) == told
+
+
+def test_a_stray_var_is_not_also_an_orphan() -> None:
+    stray = 'def RenderVar "w"\n{\n    string sourceName = "albedo"\n}\n'
+    assert found(stage(world=WORLD + stray)) == ["outside-render-scope"]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['def "A"\n{\n    string a = "open\n}\n', 'def "A" (\n    references = @x.usda\n)\n{\n}\n'],
+)
+def test_the_place_of_a_syntax_error_is_not_empty(tmp_path: Path, text: str) -> None:
+    (tmp_path / "main.usda").write_text(f"#usda 1.0\n{text}")
+    (finding,) = lint([str(tmp_path / "main.usda")], cwd=tmp_path).findings
+    span, source = finding.location.span, finding.location.source
+    assert span is not None
+    assert source is not None
+    assert source[span.column - 1 : span.end_column - 1]

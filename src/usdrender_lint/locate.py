@@ -135,7 +135,9 @@ class Locator:
         if not problem.line:
             return self._in_file(file, None)
         source = text.line(problem.line)
+        at_most = max(1, len(source))  # the end of a line is shown at its last character
         column = len(source.encode()[: problem.column - 1].decode(errors="replace")) + 1
+        column = min(column, at_most)
         end = min(len(source) + 1, column + 1)
         return self._in_file(file, Span(problem.line, column, max(end, column)), source)
 

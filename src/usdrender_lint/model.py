@@ -122,6 +122,10 @@ class Candidate:
     type_name: str
     site: Site
 
+    @property
+    def name(self) -> str:
+        return self.path.rpartition("/")[2]
+
 
 @dataclass(frozen=True, slots=True)
 class Target:

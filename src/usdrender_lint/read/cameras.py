@@ -6,12 +6,28 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from pxr import Sdf, Usd
+from pxr import Sdf, Usd, UsdGeom
 
-from ..model import Attr, Camera, FrameRange, Product, Settings, Site, ValueState, View
+from ..model import (
+    Attr,
+    Camera,
+    FrameRange,
+    Product,
+    Settings,
+    Site,
+    State,
+    Target,
+    ValueState,
+    View,
+)
+from .targets import similarity, state_of
 from .values import plain_floats, plain_text, read_attr, same_storage
 
 T = TypeVar("T")
+
+_SIMILAR = (0.5, 0.78)
+"""Ratio from which a name is that of a camera, misspelt: of the only one there is, and of one of
+several."""
 
 _ATTRIBUTES: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "projection": ("projection", plain_text),
@@ -38,10 +54,27 @@ def read_cameras(
         for target in view.camera.targets[:1]:
             if target.live and "Camera" in target.isa and not target.is_property:
                 views.setdefault(target.path, []).append(view)
+            elif meant := _meant(stage, target):
+                views.setdefault(meant, []).append(view)
     return tuple(
         _camera(stage.GetPrimAtPath(path), frames, tuple(seen))
         for path, seen in sorted(views.items())
     )
+
+
+def _meant(stage: Usd.Stage, target: Target) -> str | None:
+    """The camera that will be rendered through once a misspelt target is mended: its faults need not
+    wait for that."""
+    if target.state is not State.MISSING or target.is_property:
+        return None
+    name = target.path.rpartition("/")[2]
+    found = target.candidates
+    near = found and similarity(name, found[0].name) >= _SIMILAR[len(found) > 1]
+    path = target.meant or (found[0].path if near else None)
+    prim = stage.GetPrimAtPath(path) if path else None
+    if not prim or not prim.IsA(UsdGeom.Camera) or prim.IsInstanceProxy() or prim.IsInstance():
+        return None
+    return path if state_of(prim) is State.LIVE else None
 
 
 def _views(settings: Iterable[Settings], products: Iterable[Product]) -> Iterator[View]:

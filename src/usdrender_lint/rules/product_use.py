@@ -76,6 +76,8 @@ def _orphan_product(product: Product, scope: RenderScope) -> Finding:
 def orphan_var(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """No product lists a var, so nothing writes it."""
     rels = [p.ordered_vars for p in scope.products]
+    if not all(p.ordered_vars.named for p in scope.products if p.live):
+        return  # what is not listed is perhaps what a product without a list should list
     if not any(r.named for r in rels) or _unclear(rels, scope, "orderedVars"):
         return
     meant = _meant(rels)

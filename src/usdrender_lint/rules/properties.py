@@ -4,7 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import RENDER_TYPES, OtherPrim, Property, RenderPrim, RenderScope, Site, State
+from ..model import (
+    RENDER_TYPES,
+    OtherPrim,
+    Property,
+    RenderPrim,
+    RenderScope,
+    Settings,
+    Site,
+    State,
+)
 from ..rule import Context, Finding, Severity, rule
 from ._words import a_or_an, joined, likeness, nearest, one_of
 
@@ -40,8 +49,17 @@ def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]
                 f"'{found.name}' is no property of {a_or_an(prim.type_name)}: nobody reads it",
                 label="nobody reads this",
                 help=f"did you mean '{meant}'?",
-                explains=(Site(f"{prim.path}.{meant}"),),
+                explains=(
+                    Site(f"{prim.path}.{meant}"),
+                    *(Site(f"{path}.{meant}") for path in _taking_from(prim)),
+                ),
             )
+
+
+def _taking_from(prim: RenderPrim) -> Iterator[str]:
+    """The products of settings, which take from them what they do not say themselves."""
+    if isinstance(prim, Settings):
+        yield from (t.path for t in prim.products.targets)
 
 
 @rule(

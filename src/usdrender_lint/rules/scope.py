@@ -39,7 +39,13 @@ def _misnamed_root(scope: RenderScope, stray: Stray) -> str | None:
     on=RenderScope,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("no-render-settings", "shared-product", "unused-settings"),
+    supersedes=(
+        "no-render-settings",
+        "orphan-product",
+        "orphan-var",
+        "shared-product",
+        "unused-settings",
+    ),
 )
 def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A render prim does not stand below `/Render`."""
@@ -95,6 +101,7 @@ def misnamed_render_scope(scope: RenderScope, context: Context) -> Iterator[Find
         "dead-target",
         "default-settings-not-live",
         "default-settings-unresolved",
+        "default-settings-wrong-type",
         "no-render-settings",
         "product-without-vars",
         "settings-without-products",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
-from ..model import Pass, Property, Rel, RenderPrim, Site, State, Target
+from ..model import Pass, Property, Rel, RenderPrim, RenderScope, Site, State, Target
 from ..rule import Context, Finding, Renderer, Severity, rule
 from ._chains import start_of, why_not_live
 from ._words import a_or_an, did_you_mean
@@ -20,6 +20,13 @@ _WANTED = {
     "inputPasses": ("input pass", "RenderPass", "RenderPasses"),
 }
 _ONLY_FIRST = ("camera", "renderSource")
+_DEAD = {
+    State.INACTIVE: "is inactive",
+    State.OVER: "is only an 'over', which no layer defines",
+    State.ABSTRACT: "is a class, or stands below one",
+}
+_SHOWN = 3
+"""Further targets that a finding names."""
 
 
 def _judged(prim: RenderPrim) -> Iterator[tuple[Rel, Target]]:
@@ -148,37 +155,48 @@ def _is_wrong(target: Target, kind: str, context: Context) -> bool:
 
 @rule(
     "dead-target",
-    on=RenderPrim,
+    on=RenderScope,
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("dangling-over",),
 )
-def dead_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+def dead_target(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A target is inactive, only an `over`, or abstract."""
-    why = {
-        State.INACTIVE: "is inactive",
-        State.OVER: "is only an 'over', which no layer defines",
-        State.ABSTRACT: "is a class, or stands below one",
-    }
-    for rel, target in _judged(prim):
-        what, kind, _ = _WANTED[rel.name]
-        if target.state not in why or _is_host_prim(target, context.renderer):
-            continue
-        if target.type_name and _is_wrong(target, kind, context):
-            continue
-        said = why[target.state]
+    leading: dict[str, list[tuple[Rel, Target]]] = {}
+    for prim in scope.prims():
+        for rel, target in _judged(prim) if prim.live else ():
+            if _is_dead(rel, target, context):
+                leading.setdefault(target.path, []).append((rel, target))
+    for found in leading.values():
+        # The one that costs most tells for all: to bring the prim to life mends every one of them.
+        (rel, target), *others = sorted(found, key=_is_one_of_several)
+        said = _DEAD[target.state]
         if target.because:
             said = f"is inactive, as <{target.because}> is"
-        others = any(t.live for t in rel.targets) and rel.name not in _ONLY_FIRST
         yield Finding(
             target.written,
-            f"{what} <{target.path}> {said}: renderers drop it",
+            f"{_WANTED[rel.name][0]} <{target.path}> {said}: renderers drop it",
             label="not live",
             help="remove the target, or bring the prim to life",
-            related=(*start_of(target), why_not_live(target)),
-            severity=Severity.WARNING if others else None,
+            related=(
+                *start_of(target),
+                why_not_live(target),
+                *((other.written, "leads there, too") for _, other in others[:_SHOWN]),
+            ),
+            severity=Severity.WARNING if _is_one_of_several((rel, target)) else None,
             explains=(Site(target.path),),
         )
+
+
+def _is_dead(rel: Rel, target: Target, context: Context) -> bool:
+    if target.state not in _DEAD or _is_host_prim(target, context.renderer):
+        return False
+    return not (target.type_name and _is_wrong(target, _WANTED[rel.name][1], context))
+
+
+def _is_one_of_several(found: tuple[Rel, Target]) -> bool:
+    rel, _ = found
+    return any(t.live for t in rel.targets) and rel.name not in _ONLY_FIRST
 
 
 @rule(
