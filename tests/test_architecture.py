@@ -19,7 +19,17 @@ PACKAGE = "usdrender_lint"
 SOURCE = ROOT / "src" / PACKAGE
 
 OUTSIDE = {
-    "pxr": ("stage", "sites", "reach", "locate", "ignores", "lint_file", "read", "read.*"),
+    "pxr": (
+        "stage",
+        "sites",
+        "reach",
+        "locate",
+        "concerns",
+        "ignores",
+        "lint_file",
+        "read",
+        "read.*",
+    ),
     "click": ("cli", "options"),
     "rich": ("report.explain",),
     "markdown_it": ("report.explain",),
@@ -34,13 +44,16 @@ LAYERS = (
     ("testing",),
     ("lint", "lint_file", "ignores", "variants", "workers", "fix"),
     ("report", "report.*", "output"),
-    ("run", "settle", "locate", "suppress", "baseline", "edit"),
+    ("run", "settle", "locate", "concerns", "suppress", "baseline", "edit"),
     ("read", "read.*"),
+    ("context",),
+    ("uses",),
     (
         "stage",
         "sites",
         "reach",
         "discover",
+        "crate",
         "usda",
         "usda_*",
         "renderers",

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 from pxr import Sdf, Usd
 
+from usdrender_lint.crate import mentions
 from usdrender_lint.model import (
     Attr,
     Candidate,
@@ -21,7 +22,6 @@ from usdrender_lint.model import (
     Var,
 )
 from usdrender_lint.read import read
-from usdrender_lint.read.crate import mentions
 from usdrender_lint.read.text import Texts
 from usdrender_lint.renderers import choose
 from usdrender_lint.run import subjects_of

@@ -20,6 +20,8 @@ class Target:
     file: Path
     """Absolute, symbolic links of folders kept as given."""
     shown: str
+    about: tuple[str, ...] = ()
+    """Real paths of the layers on whose behalf it is linted: only what concerns one of them is told."""
 
 
 class Shown:
@@ -46,6 +48,14 @@ class Shown:
             return os.path.relpath(path, self.root).replace(os.sep, "/")
         except ValueError:  # another drive on Windows
             return Path(path).absolute().as_posix()
+
+
+class RealPaths(dict[str, str]):
+    """Links resolved; each path once."""
+
+    def __missing__(self, file: str) -> str:
+        self[file] = os.path.realpath(file)
+        return self[file]
 
 
 def discover(paths: Iterable[str], shown: Shown) -> tuple[list[Target], list[Problem]]:

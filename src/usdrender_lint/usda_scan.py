@@ -12,6 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import field
+from functools import cached_property
 
 from .records import dataclass
 from .usda_lines import LINE_BREAK, Range
@@ -135,12 +136,12 @@ class Scan:
 
     def __init__(self, data: bytes) -> None:
         self._data = data
-        self._closing = self._match_braces()
         self._contents: dict[int, Contents] = {}
         self.root = self._root()
 
-    def _match_braces(self) -> dict[int, int]:
-        """Where each opened brace is closed."""
+    @cached_property
+    def _closing(self) -> dict[int, int]:
+        """Where each opened brace is closed. The metadata of the layer is read without."""
         closing: dict[int, int] = {}
         waiting: list[int] = []
         for match in NEXT_BRACE.finditer(self._data):

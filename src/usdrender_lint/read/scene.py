@@ -11,6 +11,7 @@ from dataclasses import field
 
 from pxr import Sdf, Usd
 
+from ..crate import mentions
 from ..model import (
     BindingUse,
     Pass,
@@ -22,7 +23,6 @@ from ..model import (
 )
 from ..records import dataclass
 from .collections import membership
-from .crate import mentions
 from .metadata import KEY, opinion_of
 from .text import text_of
 

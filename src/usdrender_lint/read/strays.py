@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pxr import Sdf, Usd
 
-from .crate import mentions
+from ..crate import mentions
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
 _TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")

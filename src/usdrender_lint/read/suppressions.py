@@ -7,9 +7,9 @@ from typing import Any
 
 from pxr import Sdf, Usd, Vt
 
+from ..crate import mentions
 from ..records import dataclass
 from ..usda import UsdaText
-from .crate import mentions
 
 KEY = "usdrenderLint"
 

@@ -1,4 +1,4 @@
-"""Does a crate file mention a word at all? Answered from its table of tokens, mostly in 0.1 ms."""
+"""Which words does a crate file hold at all? Answered from its table of tokens, mostly in 0.1 ms."""
 
 from __future__ import annotations
 
@@ -13,24 +13,30 @@ _MAX_TOKENS = 1 << 28
 
 def mentions(file: str, words: Iterable[bytes], *, whole: bool = True) -> bool | None:
     """Whether one of `words` is a token of the crate, or without `whole` begins one; None if the
-    file tells nothing.
+    file tells nothing."""
+    tokens = tokens_of(file)
+    if tokens is None:
+        return None
+    end = b"\0" if whole else b""
+    return any(b"\0" + word + end in tokens for word in words)
+
+
+def tokens_of(file: str, most: int = _MAX_TOKENS) -> bytes | None:
+    """All tokens of a crate, each between two zeros; None if the file tells nothing, or more than
+    `most` bytes.
 
     Layout of `pxr/usd/sdf/crateFile.cpp` since version 0.4.0: the bootstrap's table of contents
     names the TOKENS section, which is zero-terminated strings under LZ4.
     """
     try:
         with Path(file).open("rb") as stream:
-            tokens = _tokens(stream.read(88), stream)
+            tokens = _tokens(stream.read(88), stream, most)
     except (OSError, struct.error, IndexError, ValueError):
         return None
-    if tokens is None:
-        return None
-    framed = b"\0" + tokens
-    end = b"\0" if whole else b""
-    return any(b"\0" + word + end in framed for word in words)
+    return None if tokens is None else b"\0" + tokens
 
 
-def _tokens(bootstrap: bytes, stream: BinaryIO) -> bytes | None:
+def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
     if not bootstrap.startswith(b"PXR-USDC") or tuple(bootstrap[8:11]) < (0, 4, 0):
         return None
     read, seek = stream.read, stream.seek
@@ -41,7 +47,7 @@ def _tokens(bootstrap: bytes, stream: BinaryIO) -> bytes | None:
         if name.rstrip(b"\0") == b"TOKENS":
             seek(start)
             _number, plain_size, packed_size = struct.unpack("<QQQ", read(24))
-            if plain_size > _MAX_TOKENS or packed_size > _MAX_TOKENS:
+            if plain_size > most or packed_size > most:
                 return None
             return unpack(read(packed_size), plain_size)
     return None
