@@ -269,6 +269,8 @@ def command(
     known = _known(baseline, may_be_missing=update_baseline) if baseline else None
     report = lint(paths, Config(selection, severity, renderer, variants, ignores=not no_ignores))
     _complain(report, color)
+    for note in report.notes if not quiet else ():
+        tell(f"Note: {note}")
     written = True
     if baseline and known and not no_ignores:
         if update_baseline:

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from pathlib import Path
 
 from . import __version__
+from .context import (
+    MOST_STAGES,
+    Outline,
+    Plan,
+    advised,
+    not_used,
+    planned,
+    seen_through,
+    siblings,
+)
 from .discover import Shown, discover
 from .discover import Target as File
+from .model import Layer
 from .records import dataclass
 from .registry import Selection, select
 from .renderers import ANY, renderer
@@ -34,6 +46,9 @@ class Config:
     scopes: tuple[str, ...] = ("/Render",)
     ignores: bool = True
     """Whether comments and metadata hide findings."""
+    roots: tuple[str, ...] = ()
+    """Stages through which the layers that they use are linted: patterns of `glob`, absolute or from
+    the current folder."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +67,8 @@ class FileResult:
     """Suppressions, of whatever layer, that silence something here, or may in what was not seen."""
     ran: frozenset[str] | None = None
     """Rules that looked at everything; None if a part of the stage is missing."""
+    outline: Outline | None = None
+    """None where there was no stage."""
 
 
 def lint(paths: Iterable[str], config: Config | None = None, cwd: Path | None = None) -> Report:
@@ -59,8 +76,65 @@ def lint(paths: Iterable[str], config: Config | None = None, cwd: Path | None = 
     config = config or Config()
     shown = Shown(cwd)
     files, problems = discover(paths, shown)
-    results = [_lint_file(file, config, shown) for file in files]
-    return _report(files, [*problems, *(p for r in results for p in r.problems)], results, config)
+    plan = planned(files, config.roots, config.scopes, cwd or Path.cwd(), shown)
+    results = _lint_all(plan.targets, config, shown)
+    results, notes = _in_context(plan, results, config, shown)
+    return _report(plan, problems, results, notes, config)
+
+
+def _lint_all(files: Iterable[File], config: Config, shown: Shown) -> list[FileResult]:
+    return [_lint_file(file, config, shown) for file in files]
+
+
+def _in_context(
+    plan: Plan, results: list[FileResult], config: Config, shown: Shown
+) -> tuple[list[FileResult], list[str]]:
+    """What holds of each layer in the stages that use it; and what is to be said of the roots."""
+    results = [_unless_idle(*one, shown) for one in zip(plan.targets, results, strict=True)]
+    notes = [*plan.notes, *not_used(plan, [r.layers for r in results], shown)]
+    seen = seen_through(plan.targets, [r.outline or Outline() for r in results], plan.roots)
+    if not plan.roots:
+        alone = [i for i, r in enumerate(results) if not seen[i] and _may_be_part(r)]
+        for i, advised in zip(alone, _advised(plan, results, alone, config, shown), strict=True):
+            results[i] = advised
+    return [_as_part(r) if seen[i] else r for i, r in enumerate(results)], notes
+
+
+def _unless_idle(file: File, result: FileResult, shown: Shown) -> FileResult:
+    """A root that uses none of the layers on whose behalf it was linted has nothing to say."""
+    if not file.about or result.outline is None:
+        return result
+    files = {str(shown.root / layer) for layer in result.layers}
+    files.update(f.location.file for f in result.findings)  # one that does not parse takes no part
+    used = set(map(os.path.realpath, files))
+    return result if used.intersection(file.about) else FileResult()
+
+
+def _as_part(result: FileResult) -> FileResult:
+    """Of a layer that is seen through stages, only what it says about itself."""
+    own = tuple(f for f in result.findings if f.rule.on is Layer)
+    return replace(result, findings=own, renderer=None)
+
+
+def _may_be_part(result: FileResult) -> bool:
+    """Whether something seems to be missing."""
+    told = (f for f in result.findings if f.verdict is Verdict.REPORTED)
+    return any(f.target is not None or f.severity is not Severity.NOTE for f in told)
+
+
+def _advised(
+    plan: Plan, results: list[FileResult], alone: list[int], config: Config, shown: Shown
+) -> Iterator[FileResult]:
+    """Those of layers that a stage beside or above them sublayers, with word of it."""
+    beside = siblings([plan.given[i] for i in alone], config.scopes, shown)
+    stages = {stage.shown: stage for found in beside for stage in found}
+    opened = list(stages.values())[:MOST_STAGES]
+    linted = zip(opened, _lint_all(opened, config, shown), strict=True)
+    # Where a part of the stage is missing, nothing is known to be right.
+    found = {stage.shown: r.findings for stage, r in linted if r.ran is not None}
+    for i, near in zip(alone, beside, strict=True):
+        known = {one.shown: found[one.shown] for one in near if one.shown in found}
+        yield replace(results[i], findings=advised(results[i].findings, known))
 
 
 def _lint_file(file: File, config: Config, shown: Shown) -> FileResult:
@@ -71,11 +145,17 @@ def _lint_file(file: File, config: Config, shown: Shown) -> FileResult:
 
 
 def _report(
-    files: list[File], problems: list[Problem], results: list[FileResult], config: Config
+    plan: Plan,
+    problems: list[Problem],
+    results: list[FileResult],
+    notes: list[str],
+    config: Config,
 ) -> Report:
-    ran = {} if problems else _ran(files, results)
+    problems = [*problems, *(p for r in results for p in r.problems)]
+    ran = {} if problems else _ran(plan, results)
+    files = [file for file, r in zip(plan.targets, results, strict=True) if r.layers]
     about, crashes = findings_of(
-        {f.shown: r.ignores for f, r in zip(files, results, strict=True) if r.ignores},
+        {f.shown: r.ignores for f, r in zip(plan.targets, results, strict=True) if r.ignores},
         frozenset[Key]().union(*(r.needed for r in results)),
         ran,
         config.selection.run,
@@ -90,7 +170,7 @@ def _report(
     return Report(
         __version__,
         config.selection.run,
-        tuple(file.shown for file, r in zip(files, results, strict=True) if r.layers),
+        tuple(file.shown for file in files if not file.about),
         tuple(f for f in merged if f.verdict is Verdict.REPORTED),
         tuple(sorted(dict.fromkeys(problems), key=lambda p: (p.path, p.kind, p.message))),
         tuple(r.renderer for r in results if r.renderer),
@@ -99,13 +179,15 @@ def _report(
         tuple(dict.fromkeys(c for r in results for c in r.chatter)),
         tuple(f for f in merged if f.verdict is not Verdict.REPORTED),
         ran,
+        tuple(file.shown for file in files if file.about),
+        tuple(notes),
     )
 
 
-def _ran(files: list[File], results: list[FileResult]) -> dict[str, frozenset[str]]:
-    ran: dict[str, set[str]] = {f.shown: set() for f in files}
+def _ran(plan: Plan, results: list[FileResult]) -> dict[str, frozenset[str]]:
+    ran: dict[str, set[str]] = {f.shown: set() for f in plan.given}
     broken: set[str] = set()
-    for file, result in zip(files, results, strict=True):
+    for file, result in zip(plan.targets, results, strict=True):
         for layer in {file.shown, *result.layers}.intersection(ran):
             ran[layer].update(result.ran or ())
             if result.ran is None:

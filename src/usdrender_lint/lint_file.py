@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from pxr import Sdf, Tf
+from pxr import Sdf, Tf, Usd
 
+from .concerns import Concerns
+from .context import Outline
 from .discover import Shown
 from .discover import Target as File
 from .ignores import Ignores
@@ -45,7 +47,7 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
     """Open, read, run, settle and locate; nothing of USD outlives the call."""
     with Diagnostics() as said:
         try:
-            result = _File(str(file.file), config, shown).lint()
+            result = _File(file, config, shown).lint()
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
             result = _failed(file, error)
         said.collect()
@@ -73,9 +75,10 @@ class _Stage:
 
 
 class _File:
-    def __init__(self, path: str, config: Config, shown: Shown) -> None:
-        self._path = path
-        self._root = shown(path)
+    def __init__(self, file: File, config: Config, shown: Shown) -> None:
+        self._path = str(file.file)
+        self._about = file.about
+        self._root = shown(self._path)
         self._config = config
         self._shown = shown
         self._texts = Texts()
@@ -114,6 +117,7 @@ class _File:
             ignores=self._ignores.own,
             needed=self._ignores.needed,
             ran=frozenset(self._ran) if self._whole else None,
+            outline=_outline(composed),
         )
 
     def _lint_stage(self, layer: Sdf.Layer, session: Sdf.Layer | None = None) -> _Stage:
@@ -127,10 +131,13 @@ class _File:
             else (renderer(self._config.renderer), "asked for")
         )
         locator = Locator(opened.stage, self._path, self._texts, self._shown, opened.unparsed)
-        self._ignores.enter(opened.stage, locator, layer if self._judges_suppressions else None)
+        self._ignores.enter(opened.stage, locator, layer if self._tells_idle else None)
         if opened.unparsed or any(error.touches_spec for error in scope.errors):
             self._whole = False
         found, crashes = self._findings([*self._subjects(opened, scope)], chosen, locator)
+        if self._about:
+            concerns = Concerns(opened.stage, self._about)
+            found = tuple(one for one in found if one in concerns)
         choice = RendererChoice(self._root, chosen.name, reason)
         return _Stage(opened, scope, found, crashes, choice)
 
@@ -181,7 +188,7 @@ class _File:
 
     def _without_stage(self, guilty: list[Layer], unparsed: list[ParseProblem]) -> FileResult:
         locator = Locator(None, self._path, self._texts, self._shown, unparsed)
-        if self._judges_suppressions:
+        if self._tells_idle:
             self._ignores.enter_text(self._path)
         found, crashes = self._findings([*guilty], renderer(ANY), locator)
         return FileResult(
@@ -221,6 +228,11 @@ class _File:
         return severity is not None or rule.id in self._config.severities
 
     @property
+    def _tells_idle(self) -> bool:
+        """Whether its own suppressions are asked about: those of the files that were given."""
+        return self._judges_suppressions and not self._about
+
+    @property
     def _judges_suppressions(self) -> bool:
         selection = self._config.selection
         return any(is_about_suppressions(r) and r.id in selection.told for r in selection.run)
@@ -240,6 +252,27 @@ class _File:
 
 def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
     return Outcome(found.key, found.selected, found.choices, choice, linted.findings)
+
+
+def _outline(linted: _Stage) -> Outline:
+    stage = linted.opened.stage
+    local = stage.GetLayerStack(includeSessionLayers=False)
+    has_arcs = len(stage.GetUsedLayers()) > len(local) + 1  # the session layer is another
+    return Outline(
+        tuple(split_package(one.realPath)[0] for one in local if one.realPath),
+        frozenset(str(spec.path) for one in local for spec in one.rootPrims),
+        frozenset(_brought(stage, linted.scope, {*local}) if has_arcs else ()),
+    )
+
+
+def _brought(
+    stage: Usd.Stage, scope: RenderScope, local: set[Sdf.Layer]
+) -> Iterator[tuple[str, str]]:
+    paths = {prefix for prim in scope.prims() for prefix in Sdf.Path(prim.path).GetPrefixes()}
+    for path in paths:
+        for spec in stage.GetPrimAtPath(path).GetPrimStack():
+            if spec.path.IsRootPrimPath() and spec.layer.realPath and spec.layer not in local:
+                yield split_package(spec.layer.realPath)[0], str(spec.path)
 
 
 def _as_layer(problem: ParseProblem) -> Layer:

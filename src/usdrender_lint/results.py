@@ -220,6 +220,10 @@ class Report:
     ran: dict[str, frozenset[str]] = field(default_factory=dict)
     """For each linted file, as shown, the rules whose silence tells that there is nothing to find:
     those that ran, if the run was complete and every stage that uses the file was whole."""
+    through: tuple[str, ...] = ()
+    """Roots that were linted on behalf of layers, as shown, sorted: only what concerns these is told."""
+    notes: tuple[str, ...] = ()
+    """What is to be known of the run beside what was found."""
     counts: dict[Severity, int] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -297,7 +297,10 @@ def _cells(text: str) -> int:
 
 def counts(report: Report) -> str:
     """How much was looked at and found; nothing in it but numbers and words of this program."""
-    files = plural(len(report.files), "file") + _hidden(report)
+    files = plural(len(report.files), "file")
+    if report.through:
+        files += f", seen through {plural(len(report.through), 'stage')}"
+    files += _hidden(report)
     if not report.findings:
         return f"No findings in {files}." if report.files else "Nothing was linted."
     each = ", ".join(plural(n, severity) for severity, n in report.counts.items() if n)
