@@ -96,3 +96,16 @@ def test_the_summary_is_that_of_full() -> None:
         "1 finding (1 error) in 1 file.",
         "The run is incomplete: 1 error kept 1 file from being linted (see above).",
     ]
+
+
+def test_a_finding_in_a_shared_layer_says_in_which_stages_it_holds() -> None:
+    """Its place alone does not tell which of fifty shots is broken."""
+    roots = tuple(f"sh{n}.usda" for n in range(5))
+    said = render(replace(FINDING, roots=roots))
+    assert said.endswith(" (in sh0.usda, sh1.usda, sh2.usda and 2 more)\n")
+    assert "(in " not in render(replace(FINDING, roots=(FINDING.location.path,)))
+
+
+def test_the_summary_tells_of_stages_that_layers_were_seen_through() -> None:
+    report = Report("0.1.0", (), ("a",), (), through=("b", "c"))
+    assert concise.render(report, color=False) == "No findings in 1 file, seen through 2 stages.\n"

@@ -161,14 +161,14 @@ def seen_through(
 
 def not_used(plan: Plan, layers: Sequence[Iterable[str]], shown: Shown) -> Iterator[str]:
     """What there is to say of given layers that no root uses. `layers`: all of each target, as shown."""
-    if not plan.roots:
-        return
     real = RealPaths()
-    used = {*plan.roots, *plan.mentioned}
+    left = {real[str(t.file)] for t in plan.given} - plan.roots - plan.mentioned
+    if not plan.roots or not left:
+        return
     for target, files in zip(plan.targets, layers, strict=True):
         if real[str(target.file)] in plan.roots:
-            used.update(real[str(shown.root / file)] for file in files)
-    alone = [t.shown for t in plan.given if real[str(t.file)] not in used]
+            left.difference_update(real[str(shown.root / file)] for file in files)
+    alone = [t.shown for t in plan.given if real[str(t.file)] in left]
     if alone:
         as_stage = "is linted as a stage of its own" if len(alone) == 1 else "are linted as stages"
         yield f"no root uses {_some(alone)}, which {as_stage}"

@@ -106,8 +106,9 @@ def _unless_idle(file: File, result: FileResult, shown: Shown) -> FileResult:
         return result
     files = {str(shown.root / layer) for layer in result.layers}
     files.update(f.location.file for f in result.findings)  # one that does not parse takes no part
-    used = set(map(os.path.realpath, files))
-    return result if used.intersection(file.about) else FileResult()
+    about = {*file.about}
+    uses = about & files or any(os.path.realpath(one) in about for one in files)
+    return result if uses else FileResult()
 
 
 def _as_part(result: FileResult) -> FileResult:

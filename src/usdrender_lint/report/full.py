@@ -209,7 +209,12 @@ def _related(place: Place, base: Path) -> str:
     return " ".join(filter(None, parts))
 
 
-def _roots(finding: Located, base: Path) -> str:
+def roots_shown(finding: Located, base: Path | None = None) -> str:
+    """The stages in which a finding holds; nothing where that is its own layer alone."""
+    return "" if finding.roots in ((), (finding.location.path,)) else _roots(finding, base)
+
+
+def _roots(finding: Located, base: Path | None) -> str:
     names = [_root_shown(root, finding.location, base) for root in finding.roots[:SHOWN_ROOTS]]
     more = len(finding.roots) - SHOWN_ROOTS
     return ", ".join(names) + (f" and {more} more" if more > 0 else "")
@@ -223,11 +228,13 @@ def _way(finding: Located, base: Path) -> str:
     )
 
 
-def _root_shown(root: str, location: Location, base: Path) -> str:
+def _root_shown(root: str, location: Location, base: Path | None) -> str:
     """A root is known by its shown path alone; the layer's two paths tell where that begins."""
     file = PurePath(location.file).as_posix()
     top = file.removesuffix(f"/{location.path}")
-    return escaped(root if top == file else _below(PurePath(top, root), base) or root)
+    if base is None or top == file:
+        return escaped(root)
+    return escaped(_below(PurePath(top, root), base) or root)
 
 
 def _below(file: PurePath, base: Path) -> str | None:

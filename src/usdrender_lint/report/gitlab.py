@@ -10,7 +10,7 @@ from ..printable import escaped
 from ..results import Located, Problem, Report
 from ..rule import Severity
 from . import to_json
-from .full import spec
+from .full import roots_shown, spec
 
 Json = dict[str, object]
 
@@ -32,6 +32,8 @@ def _finding(finding: Located) -> Json:
     if not line:
         # The description alone tells the place.
         parts += [_member(at.member), spec(finding.prim_path, finding.property)]
+    if roots := roots_shown(finding):
+        parts.append(f"(in {roots})")
     text = " ".join(filter(None, parts))
     severity = SEVERITIES[finding.severity]
     return _issue(finding.rule.id, text, finding.fingerprint, severity, at.path, line or 1)

@@ -91,7 +91,7 @@ def _say(
 
 
 def _finding(finding: Located) -> str:
-    text = line(finding, Ink(False))
+    text = line(finding, Ink(False), with_roots=False)  # the suite is the stage
     return f"{text}\n  help: {escaped(finding.help)}" if finding.help else text
 
 
