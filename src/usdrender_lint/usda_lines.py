@@ -24,18 +24,23 @@ class Lines:
         """How many line breaks end before each multiple of the step."""
         for start in range(0, len(data), self._STEP):
             self._breaks.append(self._breaks[-1] + self._count(start, start + self._STEP))
+        self._starts: dict[int, int] = {}
+        """Of lines that were asked about: their text is asked for next."""
 
     def at(self, offset: int) -> tuple[int, int]:
         """The number of the line there, from 1, and where it starts."""
         chunk = offset // self._STEP
         number = self._breaks[chunk] + self._count(chunk * self._STEP, offset) + 1
         start = self._data.rfind(b"\n", 0, offset) + 1
-        return number, self._data.rfind(b"\r", start, offset) + 1 or start
+        start = self._data.rfind(b"\r", start, offset) + 1 or start
+        if self._data[offset : offset + 1] != b"\n":  # of a CR LF it would be the start of nothing
+            self._starts[number] = start
+        return number, start
 
     def range(self, number: int) -> Range:
         """A line without its line break; an empty range if there is none of that number."""
-        start = 0
-        if number > 1:
+        start = self._starts.get(number, 0)
+        if number > 1 and not start:
             chunk = max(bisect_left(self._breaks, number - 1) - 1, 0)
             breaks = LINE_BREAK.finditer(self._data, chunk * self._STEP)
             skipped = number - 2 - self._breaks[chunk]
