@@ -30,8 +30,12 @@ def read_part(opened: Opened, default: str | None) -> Part:
         str(root.path) in scopes or _is_group_of_render_prims(root)
         for root in _defined_roots(stage)
     )
-    has_settings = any(p.IsA("RenderSettings") for p in render_prims(opened))
-    return Part(_only_overrides(stage, scopes), is_part, is_part and not (has_settings or default))
+    is_library = (
+        is_part
+        and default is None
+        and not any(p.IsA("RenderSettings") for p in render_prims(opened))
+    )
+    return Part(_only_overrides(stage, scopes), is_part, is_library)
 
 
 def defines(prim: Usd.Prim, types: tuple[str, ...]) -> bool:
