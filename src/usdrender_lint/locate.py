@@ -66,6 +66,7 @@ class Locator:
             (self._root,),
             opinion=self._opinion(site, spot, message),
             chain=self._chain(site, spot),
+            property_kind=self._property_kind(site),
         )
 
     def _opinion(self, site: Site, spot: Spot | None, message: str) -> Opinion | None:
@@ -94,7 +95,15 @@ class Locator:
 
     def _place(self, at: HasSite, text: str) -> Place:
         site = at.site
-        return Place(escaped(text), self.location(site), site.prim_path, site.property_name)
+        location, kind = self.location(site), self._property_kind(site)
+        return Place(escaped(text), location, site.prim_path, site.property_name, kind)
+
+    def _property_kind(self, site: Site) -> str:
+        if self._stage is None or site.property_name is None:
+            return ""
+        found = self._stage.GetObjectAtPath(f"{site.prim_path}.{site.property_name}")
+        kinds = {Usd.Attribute: "attribute", Usd.Relationship: "relationship"}
+        return kinds.get(type(found), "")
 
     def location(self, site: Site) -> Location:
         return self._location(site, self._spot(site))

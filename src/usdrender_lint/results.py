@@ -55,6 +55,8 @@ class Place:
     location: Location
     prim_path: str
     property: str | None
+    property_kind: str = ""
+    """`attribute` or `relationship`; empty where there is no property, or no stage to ask."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +105,8 @@ class Located:
     """Further prims that share the opinion, and so the fault, sorted."""
     nth: int = 1
     """Of several findings that nothing but their words tells apart."""
+    property_kind: str = ""
+    """See `Place`."""
     chain: tuple[Step, ...] = ()
     """From the first of its roots to the layer that holds the opinion; empty where that is the root."""
 
