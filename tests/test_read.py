@@ -505,10 +505,10 @@ class TestForwarding:
         ("more", "targets"),
         [
             ("rel a = </World/cam>", {"/World/cam": "a"}),
-            ("rel a = </Render/S.b>; rel b = </World/cam>", {"/World/cam": "ab"}),
+            ("rel a = </Render/S.b>; rel b = </World/cam>", {"/World/cam": "b"}),
             (
                 "rel a = [</World/other>, </Render/S.b>]; rel b = </World/cam>",
-                {"/World/other": "a", "/World/cam": "ab"},
+                {"/World/other": "a", "/World/cam": "b"},
             ),
             ("rel a = []", {}),
             ("rel a", {}),
@@ -525,7 +525,7 @@ class TestForwarding:
         self, scope: Read, tmp_path: Path, more: str, targets: dict[str, str]
     ) -> None:
         camera = self.camera(scope, more)
-        assert {t.path: "".join(v[-1] for v in t.via) for t in camera.targets} == targets
+        assert {t.path: t.via[-1:] for t in camera.targets} == targets
         stage = Usd.Stage.Open(str(tmp_path / "main.usda"))
         forwarded = stage.GetRelationshipAtPath("/Render/S.camera").GetForwardedTargets()
         assert list(targets) == [str(p) for p in forwarded]
@@ -546,7 +546,7 @@ class TestForwarding:
             + CAMERAS
         )
         (target,) = rel_of(found, SETTINGS, "camera").targets
-        assert (target.path, target.state, len(target.via)) == ("/World/cam", State.LIVE, 6)
+        assert (target.path, target.state, target.via) == ("/World/cam", State.LIVE, "/H5.next")
 
     def test_through_a_relationship_that_is_an_attribute_in_part(self, scope: Read) -> None:
         camera = self.camera(scope, "token a = </World/cam>".replace("</World/cam>", '"x"'))

@@ -141,8 +141,8 @@ class Target:
     type_known: bool = True
     """False for a type that no installed schema registers."""
     is_property: bool = False
-    via: tuple[str, ...] = ()
-    """Relationships that forwarded to it."""
+    via: str = ""
+    """The relationship that forwards to it, the last one of a chain."""
     end: Site | None = None
     """Of a forwarded target the entry that ended the chain: where the path itself is written."""
     as_written: str | None = None

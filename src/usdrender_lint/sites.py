@@ -46,7 +46,7 @@ def _property_spot(stage: Usd.Stage, site: Site) -> Spot | None:
         for spec in specs:
             if isinstance(spec, Sdf.RelationshipSpec):
                 written = into_namespace_of(prop.GetPrim(), spec, site.target)
-                if written in listed(spec.targetPathList):
+                if spec.targetPathList.ContainsItemEdit(written, onlyAddOrExplicit=True):
                     return Spot(spec.layer, str(spec.path), site.field, str(written))
     field = site.field
     if field is not None:

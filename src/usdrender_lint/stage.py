@@ -7,6 +7,7 @@ import stat
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, suppress
 from dataclasses import field
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -21,8 +22,8 @@ ancestors, and none of its children."""
 
 RENDER_RELATIONSHIPS = ("camera", "products", "orderedVars", "renderSource", "inputPasses")
 
-_MAX_ROUNDS = 8
-"""Of widening: chains of forwarded relationships longer than this are nobody's intent."""
+_ROUNDS = 8
+"""Of widening, prim by prim, before the layers are asked what a chain leads to in the end."""
 
 _LFS = b"version https://git-lfs.github.com/spec/v1"
 _ADDRESS = re.compile(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
@@ -331,10 +332,62 @@ def widen(opened: Opened, wanted: Iterable[str]) -> bool:
 def widen_to_targets(opened: Opened, first: Iterable[str]) -> None:
     """Populate `first`, and what the render prims on the stage lead to, until nothing new turns up."""
     widen(opened, first)
-    for _ in range(_MAX_ROUNDS):
-        wanted = {str(path) for prim in render_prims(opened) for path in _led_to(prim)}
-        if not widen(opened, sorted(wanted)):
+    search = _Search(opened)
+    for round_ in count():
+        if not widen(opened, search.wanted(ahead=round_ >= _ROUNDS)):
             return
+
+
+class _Search:
+    """Follows relationships from prim to prim, as far as prims are populated."""
+
+    def __init__(self, opened: Opened) -> None:
+        self._opened = opened
+        self._begun: set[Sdf.Path] = set()
+        self._followed: set[Sdf.Path] = set()
+        self._beyond: list[Sdf.Path] = []
+        """Where prims have to be populated before it goes on."""
+
+    def wanted(self, *, ahead: bool) -> list[str]:
+        """What has to be populated next. `ahead`: also what the layers alone promise will follow,
+        for a long chain of prims is not populated one by one."""
+        pending, self._beyond = self._beyond, []
+        for prim in render_prims(self._opened):
+            if prim.GetPath() not in self._begun:
+                self._begun.add(prim.GetPath())
+                pending += _led_to(prim)
+        wanted: set[Sdf.Path] = set()
+        stage = self._opened.stage
+        while pending:
+            path = pending.pop()
+            if path in self._followed:
+                continue
+            wanted.add(path)
+            if not path.IsPropertyPath():
+                continue
+            if stage.GetPrimAtPath(path.GetPrimPath()):
+                self._followed.add(path)
+                relationship = relationship_at(stage, path)
+                pending += targets_of(relationship) if relationship else []
+            else:
+                self._beyond.append(path)
+                if ahead:
+                    wanted.update(_promised(stage, path))
+        return sorted(map(str, wanted))
+
+
+def _promised(stage: Usd.Stage, first: Sdf.Path) -> set[Sdf.Path]:
+    """What the relationships of the root layer stack lead to, as they are written."""
+    layers = stage.GetLayerStack(includeSessionLayers=False)
+    found, pending = set[Sdf.Path](), [first]
+    while pending:
+        path = pending.pop()
+        if path not in found:
+            found.add(path)
+            for layer in layers if path.IsPropertyPath() else ():
+                if spec := layer.GetRelationshipAtPath(path):
+                    pending += spec.targetPathList.GetAddedOrExplicitItems()
+    return found
 
 
 def render_prims(opened: Opened) -> Iterator[Usd.Prim]:
@@ -362,11 +415,18 @@ def is_render_prim(prim: Usd.Prim) -> bool:
 def _led_to(prim: Usd.Prim) -> Iterator[Sdf.Path]:
     for relationship in prim.GetAuthoredRelationships():
         if relationship.GetName() in RENDER_RELATIONSHIPS:
-            with _unless_attribute():
-                yield from relationship.GetTargets()
-                yield from relationship.GetForwardedTargets()
+            yield from targets_of(relationship)
 
 
-def _unless_attribute() -> suppress:
-    """A relationship that some layer authors as an attribute raises when asked for targets."""
-    return suppress(Tf.ErrorException)
+def relationship_at(stage: Usd.Stage, path: Sdf.Path) -> Usd.Relationship | None:
+    """What a target forwards to."""
+    found = stage.GetRelationshipAtPath(path) if path.IsPropertyPath() else None
+    return found or None
+
+
+def targets_of(relationship: Usd.Relationship) -> list[Sdf.Path]:
+    """Not forwarded. None of a relationship that some layer authors as an attribute: USD raises."""
+    try:
+        return list(relationship.GetTargets())
+    except Tf.ErrorException:
+        return []

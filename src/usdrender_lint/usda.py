@@ -97,6 +97,8 @@ class UsdaText:
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._targets: dict[tuple[int, str], dict[str, Range]] = {}
+        self._drawn: dict[int, str] = {}
+        """Lines that were asked for: thousands of findings may stand in one that is long."""
 
     @cached_property
     def _scan(self) -> Scan:
@@ -117,7 +119,9 @@ class UsdaText:
 
     def line(self, number: int) -> str:
         """The text of a line, from 1, without its line break."""
-        return self._text(self._lines.range(number))
+        if number not in self._drawn:
+            self._drawn[number] = self._text(self._lines.range(number))
+        return self._drawn[number]
 
     def written_target(self, path: str, target: str) -> str | None:
         """The text between the angle brackets of the entry that means `target`."""

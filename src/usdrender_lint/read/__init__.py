@@ -36,7 +36,7 @@ from .evidence import read_evidence
 from .external import file_found, source_in_file
 from .members import applied_collections, widen_to_members
 from .metadata import authored_default, default_path, read_default
-from .parts import Part, defines, read_part
+from .parts import Definitions, Part, read_part
 from .strays import stray_paths
 from .targets import EXPECTED, Targets, state_of, type_is_known
 from .text import Texts
@@ -234,6 +234,7 @@ class _Reader:
 
     def _scope_prims(self) -> Iterator[ScopePrim]:
         """The scopes, and the groups below them that are no render prims themselves."""
+        definitions = Definitions(RENDER_TYPES)
         for scope in self._opened.scopes:
             top = self._stage.GetPrimAtPath(scope)
             for prim in all_below(top) if top else ():
@@ -246,7 +247,7 @@ class _Reader:
                     state_of(prim),
                     Site(path),
                     _state_site(prim),
-                    defines(prim, RENDER_TYPES),
+                    definitions.hold(prim),
                     self._failures.hiding(path),
                 )
 
@@ -283,11 +284,12 @@ class _Reader:
                 yield from all_below(top)
 
     def _topmost(self, wanted: Callable[[Usd.Prim], bool]) -> Iterator[Site]:
-        found: list[Sdf.Path] = []
+        last = Sdf.Path.emptyPath
         for prim in self._in_scopes():
             path = prim.GetPath()
-            if wanted(prim) and not any(path.HasPrefix(above) for above in found):
-                found.append(path)
+            # Depth first: what is below the last one comes before anything else.
+            if wanted(prim) and (last.isEmpty or not path.HasPrefix(last)):
+                last = path
                 yield Site(str(path))
 
     def _missing_variants(self) -> Iterator[VariantChoice]:

@@ -117,17 +117,32 @@ class Failures:
 
     def hiding(self, path: str) -> str | None:
         """What the prim at `path` may be behind, as authored: an asset, or the prim of an internal arc."""
-        for failure in self._found:
-            above = failure.prim
-            if failure.arc and (
-                above == "/" or path == above or path.startswith((above + "/", above + "."))
-            ):
-                return failure.asset or f"<{failure.missing_prim}>"
-        return None
+        if not self._hidden_by:
+            return None
+        above = path.partition(".")[0]
+        found = [self._hidden_by["/"]] if "/" in self._hidden_by else []
+        while above:
+            if above in self._hidden_by:
+                found.append(self._hidden_by[above])
+            above = above.rpartition("/")[0]
+        if not found:
+            return None
+        failure = self._found[min(found)]
+        return failure.asset or f"<{failure.missing_prim}>"
+
+    @cached_property
+    def _hidden_by(self) -> dict[str, int]:
+        """The first failure that has to do with an arc, by the prim that misses something."""
+        first: dict[str, int] = {}
+        for index, failure in enumerate(self._found):
+            if failure.arc:
+                first.setdefault(failure.prim, index)
+        return first
 
     def errors(self, essential: Iterable[str]) -> tuple[ArcError, ...]:
         """One error a cause. `essential`: prims whose loss a render feels."""
-        needed = tuple(essential)
+        # What an essential prim stands below is essential, too.
+        needed = {above for path in essential for above in _prefixes(path)}
         grouped: dict[tuple[str, ...], list[Failure]] = {}
         for failure in self._found:
             # An asset that did not open is told as a finding of that layer, or as unreadable.
@@ -141,11 +156,11 @@ class Failures:
                 grouped.setdefault(cause, []).append(failure)
         return tuple(self._error(group, needed) for group in grouped.values())
 
-    def _error(self, group: list[Failure], needed: tuple[str, ...]) -> ArcError:
+    def _error(self, group: list[Failure], needed: set[str]) -> ArcError:
         first = min(group, key=lambda f: (self._depth(f.site), f.site.layer or "", f.prim))
         asking = [f.site for f in group if f.site.layer and f.site != first.site]
         prims = sorted({f.prim for f in group})
-        touches = any(p == "/" or n == p or n.startswith(p + "/") for p in prims for n in needed)
+        touches = prims[0] == "/" or not needed.isdisjoint(prims)
         return ArcError(
             first.kind,
             first.arc,
@@ -257,14 +272,11 @@ class Failures:
 
     def _using(self, layer: Sdf.Layer) -> Iterator[str]:
         """The topmost prims that an arc fills from the layer stack of `layer`: USD names none."""
-        found: list[Sdf.Path] = []
-        for prim in self._opened.stage.TraverseAll():
-            path = prim.GetPath()
-            if any(path.HasPrefix(above) for above in found):
-                continue
+        below = iter(self._opened.stage.TraverseAll())
+        for prim in below:
             if any(layer in node.layerStack.layers for node in _nodes(prim)):
-                found.append(path)
-                yield str(path)
+                below.PruneChildren()
+                yield str(prim.GetPath())
 
     def _open(self, layer: Sdf.Layer, asset: str, asked: Site) -> tuple[str, Sdf.Layer | None]:
         identifier = layer.ComputeAbsolutePath(asset)
@@ -292,6 +304,12 @@ class Failures:
                 found = opened
         self._opened_files[identifier] = found
         return "" if found else "unopened-asset", found
+
+
+def _prefixes(path: str) -> Iterator[str]:
+    while path:
+        yield path
+        path = path.rpartition("/")[0]
 
 
 def _default_prim(layer: Sdf.Layer) -> Sdf.Path | None:

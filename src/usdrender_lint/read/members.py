@@ -10,15 +10,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import fields
 
-from pxr import Sdf, Tf, Usd
+from pxr import Sdf, Usd
 
+from ..likeness import most_alike
 from ..model import Candidate, Member, Site, State, Target
-from ..stage import Opened, render_prims, widen
+from ..stage import Opened, render_prims, targets_of, widen
 from .groups import is_group, matching
 from .patterns import Node, tree
 
-_MAX_ROUNDS = 8
-"""Of widening: through collections that take in others, and through wildcards, level by level."""
 _PREFIX = "collection:"
 PROPERTIES = (
     "excludes",
@@ -59,10 +58,7 @@ def raw_targets(prim: Usd.Prim, name: str) -> list[Sdf.Path]:
     relationship = prim.GetRelationship(name)
     if not relationship:
         return []
-    try:
-        return list(relationship.GetTargets())
-    except Tf.ErrorException:  # some layer authors it as an attribute
-        return []
+    return targets_of(relationship)
 
 
 def composed_tree(prim: Usd.Prim, name: str) -> Node | None:
@@ -86,7 +82,7 @@ def taken_in(prim: Usd.Prim, name: str) -> Iterator[tuple[str, str, str]]:
 
 def widen_to_members(opened: Opened) -> None:
     """Populate what the collections of passes name, until nothing new turns up."""
-    for _ in range(_MAX_ROUNDS):
+    while True:
         wanted: set[str] = set()
         seen: set[tuple[str, str]] = set()
         for prim in (p for p in render_prims(opened) if p.IsA("RenderPass")):
@@ -110,12 +106,14 @@ def _named(prim: Usd.Prim, name: str) -> Iterator[str]:
 
 def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]]) -> Iterator[str]:
     """Prims of the collections that this one takes in, and those take in, as far as populated."""
-    for path, other, _ in taken_in(prim, name):
-        yield path
-        there = prim.GetStage().GetPrimAtPath(path)
-        if there and (path, other) not in seen:
-            seen.add((path, other))
-            yield from _others(there, other, seen)
+    pending = [(prim, name)]
+    while pending:
+        for path, other, _ in taken_in(*pending.pop()):
+            yield path
+            there = prim.GetStage().GetPrimAtPath(path)
+            if there and (path, other) not in seen:
+                seen.add((path, other))
+                pending.append((there, other))
 
 
 def member(stage: Usd.Stage, target: Target) -> Member:
@@ -141,14 +139,9 @@ def member(stage: Usd.Stage, target: Target) -> Member:
 
 def _candidates(above: Usd.Prim, path: Sdf.Path) -> Iterator[Candidate]:
     """Children of the prim above that may have been meant, best first."""
-    import difflib
 
     wanted = path.MakeRelativePath(above.GetPath()).GetPrefixes()[0].name
-
-    def unlikeness(name: str) -> tuple[float, str]:
-        return -difflib.SequenceMatcher(None, name.lower(), wanted.lower()).ratio(), name
-
-    for name in sorted(above.GetPrimIndex().ComputePrimChildNames()[0], key=unlikeness)[:5]:
+    for _, name in most_alike(wanted, above.GetPrimIndex().ComputePrimChildNames()[0], 5):
         found = str(above.GetPath().AppendChild(name))
         yield Candidate(found, "", Site(found))
 

@@ -8,9 +8,10 @@ from typing import Any
 
 from pxr import Sdf, Usd
 
+from ..likeness import likeness
 from ..model import DefaultSettings, MetadataOpinion, Site
 from ..stage import Opened
-from .targets import Targets, similarity
+from .targets import Targets
 
 KEY = "renderSettingsPrimPath"
 _SIMILAR = 0.8
@@ -117,4 +118,4 @@ def _strings_in(data: dict[str, Any], above: str = "") -> Iterator[tuple[str, st
 def _looks_like(key: str, *, or_equal: bool) -> bool:
     if key == KEY:
         return or_equal
-    return similarity(key, KEY) >= _SIMILAR
+    return likeness(key, KEY) >= _SIMILAR

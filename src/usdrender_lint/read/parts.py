@@ -38,26 +38,44 @@ def read_part(opened: Opened, default: str | None) -> Part:
     return Part(_only_overrides(stage, scopes), is_part, is_library)
 
 
-def defines(prim: Usd.Prim, types: tuple[str, ...]) -> bool:
-    """Some layer *defines* a prim of these types at or below: an `over` alone may be meant for a
-    weaker layer.
+class Definitions:
+    """Where some layer *defines* a prim of these types, at or below: an `over` alone may be meant for a weaker layer.
 
-    Asked of specs, because below an inactive prim nothing is composed.
+    Asked of specs, because below an inactive prim nothing is composed; and of each of them once.
     """
-    pending = list(prim.GetPrimStack())
-    while pending:
-        spec = pending.pop()
-        if spec.specifier == Sdf.SpecifierDef and spec.typeName in types:
-            return True
-        pending.extend(spec.nameChildren)
-    return False
+
+    def __init__(self, types: tuple[str, ...]) -> None:
+        self._types = types
+        self._known: dict[tuple[str, Sdf.Path], bool] = {}
+
+    def hold(self, prim: Usd.Prim) -> bool:
+        return any(self._holds(spec) for spec in prim.GetPrimStack())
+
+    def _holds(self, top: Sdf.PrimSpec) -> bool:
+        layer = top.layer.identifier
+        if (layer, top.path) in self._known:
+            return self._known[layer, top.path]
+        met, pending = [], [top]
+        while pending:
+            spec = pending.pop()
+            defines = spec.specifier == Sdf.SpecifierDef and spec.typeName in self._types
+            met.append((spec.path, self._known.get((layer, spec.path), defines)))
+            if (layer, spec.path) not in self._known:
+                pending.extend(spec.nameChildren)
+        holding = set[Sdf.Path]()
+        for path, defines in reversed(met):  # what is below comes before
+            self._known[layer, path] = defines or path in holding
+            if self._known[layer, path]:
+                holding.add(path.GetParentPath())
+        return self._known[layer, top.path]
 
 
 def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...]) -> bool:
     tops = [top for scope in scopes if (top := stage.GetPrimAtPath(scope))]
     if not tops or not any(_defined_roots(stage)):
         return not any(_defined_roots(stage))
-    return not any(top.IsDefined() or defines(top, ("RenderSettings",)) for top in tops)
+    settings = Definitions(("RenderSettings",))
+    return not any(top.IsDefined() or settings.hold(top) for top in tops)
 
 
 def _defined_roots(stage: Usd.Stage) -> Iterator[Sdf.PrimSpec]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
+from collections import deque
 from collections.abc import Iterable, Iterator
 
 from pxr import Pcp, Sdf, Tf, Usd
 
+from ..likeness import most_alike
 from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
 from ..sites import listed, node_of, out_of_namespace_of
-from ..stage import Opened, render_prims, widen
+from ..stage import Opened, relationship_at, render_prims, targets_of, widen
 from .arcs import Failures
 from .parts import Part
 from .text import Texts
@@ -22,12 +25,13 @@ EXPECTED = {
     "inputPasses": "RenderPass",
 }
 
-_SIMILAR = 0.78
 _FIELD_OF_ARC = {
     Pcp.ArcTypePayload: "payload",
     Pcp.ArcTypeInherit: "inheritPaths",
     Pcp.ArcTypeSpecialize: "specializes",
 }
+_BEST = 5
+"""Prims that may have been meant, of which so many are told."""
 _MANY = 64
 """Children of one prim that are looked at for a prim that may have been meant."""
 _SPECS = 4000
@@ -81,6 +85,8 @@ class Targets:
         self._part = part
         self._meant: dict[str, str] = {}
         self._candidates: dict[tuple[str, str], tuple[Candidate, ...]] = {}
+        self._censuses: dict[str, _Census] = {}
+        self._looked: dict[Sdf.Path, _Found] = {}
         self._survey()
 
     def rel(self, prim: Usd.Prim, name: str) -> Rel:
@@ -96,11 +102,11 @@ class Targets:
             raw = relationship.GetTargets()
         except Tf.ErrorException:
             return Rel(name, Site(path), authored=True, written_as_attribute=True)
-        seen: set[str] = set()
+        seen: set[Sdf.Path] = set()
         targets: dict[str, Target] = {}
         for first in raw:
             # The includes and excludes of a collection are not forwarded by USD.
-            for last, via in [(first, ())] if expected is None else self._forward(first, (), seen):
+            for last, via in [(first, "")] if expected is None else self._forward(first, seen):
                 if str(last) not in targets:
                     entry = Site(path, "targetPaths", str(first))
                     targets[str(last)] = self._target(prim, last, via, entry, expected)
@@ -117,12 +123,14 @@ class Targets:
 
     def _dead_ends(self, raw: list[Sdf.Path]) -> Iterator[Site]:
         """Where chains of relationships end that lead to nothing."""
-        pending, seen = [path for path in raw if path.IsPropertyPath()], set[Sdf.Path]()
+        pending, seen = deque(path for path in raw if path.IsPropertyPath()), set[Sdf.Path]()
         while pending:
-            path = pending.pop(0)
+            path = pending.popleft()
+            if path in seen:
+                continue
             seen.add(path)
             relationship = self._stage.GetRelationshipAtPath(path)
-            further = relationship.GetTargets() if relationship else []
+            further = targets_of(relationship) if relationship else []
             if not any(target not in seen for target in further):
                 yield Site(str(path), "targetPaths", str(further[0]) if further else None)
             pending += [target for target in further if target not in seen]
@@ -151,7 +159,7 @@ class Targets:
         self,
         owner: Usd.Prim,
         path: Sdf.Path,
-        via: tuple[str, ...],
+        via: str,
         site: Site,
         expected: str | None,
     ) -> Target:
@@ -173,7 +181,7 @@ class Targets:
             found.type_known,
             path.IsPropertyPath(),
             via,
-            Site(via[-1], "targetPaths", str(path)) if via else None,
+            Site(via, "targetPaths", str(path)) if via else None,
             written if written is not None and not written.startswith("/") else None,
             relative,
             meant,
@@ -185,27 +193,25 @@ class Targets:
             and (self._part.is_library or (self._part.is_part and expected == "Camera")),
         )
 
-    def _forward(
-        self, path: Sdf.Path, via: tuple[str, ...], seen: set[str]
-    ) -> Iterator[tuple[Sdf.Path, tuple[str, ...]]]:
-        """As `GetForwardedTargets()`, but telling the way. A cycle leads nowhere, and what was
-        forwarded once brings nothing new."""
-        if path.IsPropertyPath():
-            relationship = self._stage.GetRelationshipAtPath(path)
-            if relationship:
-                if str(path) in seen:
-                    return
-                seen.add(str(path))
-                try:
-                    targets = relationship.GetTargets()
-                except Tf.ErrorException:
-                    targets = []
-                for target in targets:
-                    yield from self._forward(target, (*via, str(path)), seen)
-                return
-        yield path, via
+    def _forward(self, first: Sdf.Path, seen: set[Sdf.Path]) -> Iterator[tuple[Sdf.Path, str]]:
+        """As `GetForwardedTargets()`, but with the relationship that names each. A cycle leads
+        nowhere, and what was forwarded once brings nothing new."""
+        pending = [(first, "")]
+        while pending:
+            path, via = pending.pop()
+            relationship = relationship_at(self._stage, path)
+            if not relationship:
+                yield path, via
+            elif path not in seen:
+                seen.add(path)
+                pending += [(target, str(path)) for target in reversed(targets_of(relationship))]
 
     def _look(self, path: Sdf.Path) -> _Found:
+        if path not in self._looked:
+            self._looked[path] = self._look_at(path)
+        return self._looked[path]
+
+    def _look_at(self, path: Sdf.Path) -> _Found:
         prim = self._stage.GetPrimAtPath(path.GetPrimPath())
         if not prim:
             return self._look_nowhere(path)
@@ -293,13 +299,9 @@ class Targets:
                 relationship = prim.GetRelationship(name)
                 if not relationship or not relationship.IsAuthored():
                     continue
-                try:
-                    raw = relationship.GetTargets()
-                except Tf.ErrorException:
-                    continue
-                seen: set[str] = set()
-                for first in raw:
-                    for last, _ in self._forward(first, (), seen):
+                seen: set[Sdf.Path] = set()
+                for first in targets_of(relationship):
+                    for last, _ in self._forward(first, seen):
                         if self._is_broken(last, expected):
                             broken.append((prim.GetPath(), last, expected))
         self._widen_to_meant(broken)
@@ -321,7 +323,7 @@ class Targets:
             for owner, path, _ in broken
             if path.HasPrefix(owner) and path.GetPrimPath() != owner
         }
-        widen(self._opened, sorted(from_root.values()))
+        self._widen(sorted(from_root.values()))
         for path, meant in from_root.items():
             if self._look(Sdf.Path(meant)).state is not State.MISSING:
                 self._meant[path] = meant
@@ -337,19 +339,23 @@ class Targets:
             names = prim.GetPrimIndex().ComputePrimChildNames()[0]
             if len(names) <= _MANY:
                 kin.extend(str(above.AppendChild(name)) for name in names)
-        widen(self._opened, kin)
+        self._widen(kin)
+
+    def _widen(self, wanted: Iterable[str]) -> None:
+        if widen(self._opened, wanted):
+            self._looked.clear()
 
     def suggest(self, path: Sdf.Path, expected: str) -> None:
         """Note prims of the type that may have been meant by `path`, best first."""
         key = (str(path), expected)
         if key in self._candidates or expected == "":
             return
-        census = self._census(expected)
-        name = path.GetPrimPath().name
-        best = sorted(census, key=lambda c: (-_likeness(name, str(path), c), c.path))
+        if expected not in self._censuses:
+            self._censuses[expected] = _Census(self._census(expected))
+        best = self._censuses[expected].nearest(path)
         moved = self._relocated(path.GetPrimPath())
         best.sort(key=lambda c: c.path != moved)
-        self._candidates[key] = tuple(best[:5])
+        self._candidates[key] = tuple(best[:_BEST])
 
     def _relocated(self, path: Sdf.Path) -> str:
         """Where a prim stands that a layer relocates: at its old path it reads as missing."""
@@ -359,7 +365,7 @@ class Targets:
                     return str(path.ReplacePrefix(source, target))
         return ""
 
-    def _census(self, expected: str) -> list[Candidate]:
+    def _census(self, expected: str) -> Iterable[Candidate]:
         found = {
             str(p.GetPath()): Candidate(
                 str(p.GetPath()), str(p.GetTypeName()), Site(str(p.GetPath()))
@@ -371,6 +377,29 @@ class Targets:
             for layer in self._stage.GetLayerStack(includeSessionLayers=False):
                 for path in _camera_specs(layer):
                     found.setdefault(path, Candidate(path, "Camera", Site(path)))
+        return found.values()
+
+
+class _Census:
+    """All prims of one type, to be looked through for those that may have been meant."""
+
+    def __init__(self, found: Iterable[Candidate]) -> None:
+        self._all = sorted(found, key=lambda c: c.path)
+        self._named: dict[str, list[Candidate]] = {}
+        for one in self._all:
+            self._named.setdefault(one.path.rpartition("/")[2].lower(), []).append(one)
+
+    def nearest(self, path: Sdf.Path) -> list[Candidate]:
+        """Best first: of the same name, below what was named as the camera below an Xform is, of a
+        name most like it."""
+        name, below = path.GetPrimPath().name, f"{path}/"
+        found = {c.path: c for c in self._named.get(name.lower(), [])[:_BEST]}
+        start = bisect_left(self._all, below, key=lambda c: c.path)
+        for one in self._all[start : start + _BEST]:
+            if one.path.startswith(below):
+                found.setdefault(one.path, one)
+        for _, alike in most_alike(name, self._named, _BEST):
+            found.update({c.path: c for c in self._named[alike][:_BEST] if c.path not in found})
         return list(found.values())
 
 
@@ -413,18 +442,3 @@ def _camera_specs(layer: Sdf.Layer) -> Iterator[str]:
         if spec.typeName == "Camera" and spec.specifier == Sdf.SpecifierDef:
             yield str(spec.path)
         pending.extend(spec.nameChildren)
-
-
-def _likeness(name: str, path: str, candidate: Candidate) -> float:
-    other = candidate.path.rpartition("/")[2]
-    if other.lower() == name.lower():
-        return 2.0
-    if candidate.path.startswith(path + "/"):
-        return 1.5  # the camera below the Xform that was named
-    return similarity(name, other)
-
-
-def similarity(one: str, other: str) -> float:
-    import difflib
-
-    return difflib.SequenceMatcher(None, one.lower(), other.lower()).ratio()

@@ -9,7 +9,7 @@ Related = tuple[tuple[HasSite, str], ...]
 
 def start_of(target: Target) -> Related:
     """Where the chain begins that ends at the entry which names the target."""
-    return ((target.site, f"leads there, by way of <{target.via[-1]}>"),) if target.via else ()
+    return ((target.site, f"leads there, by way of <{target.via}>"),) if target.via else ()
 
 
 def dead_ends(rel: Rel) -> Related:

@@ -9,6 +9,7 @@ from ..model import (
     RenderScope,
     Settings,
     SettingsBase,
+    Site,
     ValueState,
     View,
 )
@@ -45,8 +46,10 @@ def views_of(settings: Settings) -> list[View]:
 
 def windows_of(scope: RenderScope) -> Iterator[tuple[SettingsBase, list[Size]]]:
     """Prims with a data window of their own, and the sizes of the images that it is for."""
+    sizes: dict[Site, dict[Size, None]] = {}
+    for _, output in outputs_of(scope):
+        sizes.setdefault(output.data_window_ndc.site, {})[output.resolution.value] = None
     for prim in live(scope):
         own = prim.data_window_ndc
         if own.state is ValueState.AUTHORED:
-            sizes = [o.resolution.value for _, o in outputs_of(scope) if o.data_window_ndc == own]
-            yield prim, list(dict.fromkeys(sizes)) or [prim.resolution.value]
+            yield prim, list(sizes.get(own.site, ())) or [prim.resolution.value]

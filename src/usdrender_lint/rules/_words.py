@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from ..likeness import likeness
 from ..model import Target
 
 SIMILAR = 0.78
@@ -30,12 +31,6 @@ def paths(found: Iterable[str], most: int = 4) -> str:
     if len(listed) < 2:
         return "".join(listed)
     return f"{', '.join(listed[:-1])} and {listed[-1]}"
-
-
-def likeness(one: str, other: str) -> float:
-    import difflib
-
-    return difflib.SequenceMatcher(None, one.lower(), other.lower()).ratio()
 
 
 def nearest(name: str, known: Iterable[str], least: float = SIMILAR) -> str | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import groupby
 
+from ..likeness import likeness
 from ..model import (
     Collection,
     Member,
@@ -16,7 +17,7 @@ from ..model import (
 )
 from ..rule import Context, Finding, Severity, rule
 from ._collections import UNSEEN
-from ._words import SIMILAR, joined, likeness, paths
+from ._words import SIMILAR, joined, paths
 
 GROUP = "collection"
 

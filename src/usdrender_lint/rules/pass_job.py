@@ -5,9 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from ..likeness import likeness
 from ..model import Pass, State
 from ..rule import Context, Finding, Severity, rule
-from ._words import a_or_an, likeness, nearest
+from ._words import a_or_an, nearest
 
 GROUP = "pass"
 

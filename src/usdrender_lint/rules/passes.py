@@ -12,6 +12,7 @@ from ..model import HasSite, Output, Pass, RenderScope, Settings, Site, Target
 from ..rule import Context, Finding, Severity, rule
 from ._chains import dead_ends, start_of
 from ._names import is_file
+from ._order import Order
 from ._words import paths
 
 GROUP = "pass"
@@ -53,9 +54,11 @@ def input_pass_cycle(scope: RenderScope, context: Context) -> Iterator[Finding]:
         for path, p in passes.items()
     }
     told: set[str] = set()
+    order = Order(inputs)
     for path in sorted(passes):
-        if path in told or not (cycle := _way_back(path, inputs)):
+        if path in told or not order.waits_for_itself(path):
             continue
+        cycle = _way_back(path, inputs)
         told.update(cycle)
         edges = [(one, _entry(passes[one], other)) for one, other in pairwise(cycle)]
         said = (
@@ -112,17 +115,19 @@ def _way_back(start: str, inputs: Mapping[str, list[str]]) -> list[str]:
 )
 def passes_overwrite_output(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Several passes write the same file."""
-    waits = {p.path: {t.path for t in p.input_passes.targets} for p in scope.passes}
+    order = Order({p.path: [t.path for t in p.input_passes.targets] for p in scope.passes})
+    sources = _sources(scope)
     writers: dict[str, list[tuple[Pass, Output]]] = {}
     for one in (p for p in _passes(scope) if not p.file_name.value):
-        for name, output in _files(one, scope, context).items():
+        for name, output in _files(one, sources, context).items():
             writers.setdefault(name, []).append((one, output))
-    told: list[set[str]] = []
+    told: dict[str, list[set[str]]] = {}
     for found in sorted(writers.values(), key=len, reverse=True):
-        rivals = [w for w in found if any(_are_rivals(w[0], o[0], waits) for o in found)]
+        rivals = _rivals(found, order)
         passes = {p.path for p, _ in rivals}
-        if len(passes) > 1 and not any(passes <= others for others in told):
-            told.append(passes)
+        if len(passes) > 1 and not any(passes <= o for o in told.get(rivals[0][0].path, ())):
+            for path in passes:
+                told.setdefault(path, []).append(passes)
             yield _overwrites(rivals)
 
 
@@ -132,9 +137,9 @@ def _passes(scope: RenderScope) -> list[Pass]:
     return list({p.prototype or p.path: p for p in reversed(live)}.values())[::-1]
 
 
-def _files(one: Pass, scope: RenderScope, context: Context) -> dict[str, Output]:
+def _files(one: Pass, sources: Mapping[str, Settings], context: Context) -> dict[str, Output]:
     """What a pass writes, but for names that tell the pass."""
-    outputs = {o.product.first_name: o for o in reversed(_outputs(one, scope))}
+    outputs = {o.product.first_name: o for o in reversed(_outputs(one, sources))}
     return {
         posixpath.normpath(name.replace("\\", "/")): output
         for name, output in outputs.items()
@@ -142,35 +147,36 @@ def _files(one: Pass, scope: RenderScope, context: Context) -> dict[str, Output]
     }
 
 
-def _are_rivals(one: Pass, other: Pass, waits: Mapping[str, set[str]]) -> bool:
-    """Not if nothing says which of the two comes first, but that each waits for the other; nor if
-    one works on the images of the other, by another program."""
-    there, back = _waits_for(one.path, other.path, waits), _waits_for(other.path, one.path, waits)
-    if one is other or (there and back):
-        return False
-    return not (there or back) or one.pass_type.value == other.pass_type.value
+def _rivals(found: list[tuple[Pass, Output]], order: Order) -> list[tuple[Pass, Output]]:
+    """Those that something else overwrites. Not if nothing says which of two comes first, but that
+    each waits for the other; nor if one works on the images of the other, by another program."""
+    everything = order.bits(p.path for p, _ in found)
+    by_type: dict[str, list[str]] = {}
+    for one, _ in found:
+        by_type.setdefault(one.pass_type.value, []).append(one.path)
+    alike = {kind: order.bits(members) for kind, members in by_type.items()}
+    return [
+        (one, output)
+        for one, output in found
+        if order.unordered(one.path) & everything
+        or order.one_way(one.path) & alike[one.pass_type.value]
+    ]
 
 
-def _outputs(one: Pass, scope: RenderScope) -> tuple[Output, ...]:
-    source = _source(one, scope)
+def _outputs(one: Pass, sources: Mapping[str, Settings]) -> tuple[Output, ...]:
+    source = _source(one, sources)
     return tuple(o for o in source.outputs if o.product.live) if source else ()
 
 
-def _source(one: Pass, scope: RenderScope) -> Settings | None:
+def _sources(scope: RenderScope) -> dict[str, Settings]:
+    return {s.path: s for s in scope.settings if s.live}
+
+
+def _source(one: Pass, sources: Mapping[str, Settings]) -> Settings | None:
     """The settings that a pass renders: the first target counts, or what it was meant to be."""
     first = next(iter(one.render_source.targets), None)
-    candidates = (first.path, first.meant) if first else ()
-    return next((s for s in scope.settings if s.live and s.path in candidates), None)
-
-
-def _waits_for(one: str, other: str, waits: Mapping[str, set[str]]) -> bool:
-    seen: set[str] = set()
-    pending = [one]
-    while pending:
-        for path in waits.get(pending.pop(), set()) - seen:
-            seen.add(path)
-            pending.append(path)
-    return other in seen
+    candidates = (first.path, first.meant or "") if first else ()
+    return next((sources[path] for path in candidates if path in sources), None)
 
 
 def _overwrites(writers: list[tuple[Pass, Output]]) -> Finding:
@@ -231,8 +237,9 @@ def input_pass_without_output(scope: RenderScope, context: Context) -> Iterator[
             if target.path in passes and target.path != one.path:
                 readers.setdefault(target.path, []).append(one)
     told: set[str] = set()
+    sources = _sources(scope)
     for path, waiting in readers.items():
-        source = _source(passes[path], scope)
+        source = _source(passes[path], sources)
         if source is None or source.path in told:
             continue
         told.add(source.path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import groupby
 
 from ..model import Attr, Output, Product, Rel, RenderPrim, RenderScope, Settings, Site, ValueState
@@ -24,12 +24,14 @@ GROUP = "product"
 def shared_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Several RenderSettings render the same product."""
     first: dict[str, Settings] = {}
+    rendered = _rendered_by_passes(scope)
     for settings in scope.settings:
         if not settings.live:
             continue
         shared = [t for t in settings.products.targets if t.path in first and t.live]
         others = dict.fromkeys(first[t.path].path for t in shared)
-        if shared and not _in_several_passes(scope, [settings.path, *others]):
+        # That passes overwrite each other's files is a fault of the passes.
+        if shared and len(rendered.intersection([settings.path, *others])) < 2:
             yield Finding(
                 settings,
                 f"<{settings.path}> renders {paths(t.path for t in shared)} as {paths(others)} does: "
@@ -43,10 +45,8 @@ def shared_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
             first.setdefault(target.path, settings)
 
 
-def _in_several_passes(scope: RenderScope, settings: Sequence[str]) -> bool:
-    """That passes overwrite each other's files is a fault of the passes."""
-    rendered = {t.path for p in scope.passes if p.live for t in p.render_source.targets[:1]}
-    return len(rendered.intersection(settings)) > 1
+def _rendered_by_passes(scope: RenderScope) -> set[str]:
+    return {t.path for p in scope.passes if p.live for t in p.render_source.targets[:1]}
 
 
 @rule("orphan-product", on=RenderScope, severity=Severity.NOTE, since="0.1")
@@ -58,11 +58,11 @@ def orphan_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
         return
     meant = _meant(rels)
     orphans = [p for p in scope.products if _is_unlisted(p, meant)]
-    yield from handful((_orphan_product(p, scope) for p in orphans), "products")
-
-
-def _orphan_product(product: Product, scope: RenderScope) -> Finding:
     settings = [s.path for s in scope.settings if s.live]
+    yield from handful((_orphan_product(p, settings) for p in orphans), "products")
+
+
+def _orphan_product(product: Product, settings: list[str]) -> Finding:
     where = f"products of <{settings[0]}>" if len(settings) == 1 else "the products of a settings"
     return Finding(
         product,

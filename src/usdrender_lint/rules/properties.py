@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..likeness import likeness
 from ..model import (
     RENDER_TYPES,
     OtherPrim,
@@ -15,7 +16,7 @@ from ..model import (
     State,
 )
 from ..rule import Context, Finding, Severity, rule
-from ._words import a_or_an, joined, likeness, nearest, one_of
+from ._words import a_or_an, joined, nearest, one_of
 
 GROUP = "property"
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from ..likeness import likeness
 from ..model import RenderScope, ScopePrim, Site, State, Stray
 from ..rule import Context, Finding, Severity, rule
-from ._words import a_or_an, likeness, nearest, paths
+from ._words import a_or_an, nearest, paths
 
 GROUP = "scope"
 

@@ -307,7 +307,9 @@ def syntax_error(layer: Layer, context: Context) -> Iterator[Finding]:
 @rule("composition-error", on=RenderScope, severity=Severity.ERROR, since="0.1")
 def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A sublayer, reference or payload of the render spec cannot be composed."""
+    hidden = _hidden(scope)
     for error in scope.errors:
+        behind = hidden.get(error.asset or f"<{error.prim}>", [])
         times = f" ({error.count} times)" if error.count > 1 else ""
         yield Finding(
             error.site,
@@ -315,7 +317,10 @@ def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]
             label="leads back" if error.kind in _CYCLES else "not composed",
             help=_what_to_do(error),
             severity=_how_bad(error, scope),
-            related=(*_further(error), *_hidden(scope, error)),
+            related=(
+                *_further(error),
+                *((t, f"leads to <{t.path}>, which may be in it") for t in behind[:3]),
+            ),
         )
 
 
@@ -391,17 +396,15 @@ def _what_to_do(error: ArcError) -> str:
             return ""
 
 
-def _hidden(scope: RenderScope, error: ArcError) -> Iterator[tuple[Target, str]]:
-    """Targets that may stand behind the asset: unknown, not missing."""
-    hiding = error.asset or f"<{error.prim}>"
-    seen: set[str] = set()
+def _hidden(scope: RenderScope) -> dict[str, list[Target]]:
+    """Targets that may stand behind an asset or a missing prim: unknown, not missing."""
+    found: dict[str, dict[str, Target]] = {}
     for prim in scope.prims():
         for rel in prim.rels:
             for target in rel.targets:
-                if target.unknown and target.because == hiding and target.path not in seen:
-                    seen.add(target.path)
-                    if len(seen) <= 3:
-                        yield target, f"leads to <{target.path}>, which may be in it"
+                if target.unknown and target.because is not None:
+                    found.setdefault(target.because, {}).setdefault(target.path, target)
+    return {hiding: list(targets.values()) for hiding, targets in found.items()}
 
 
 @rule("missing-frame-range", on=RenderScope, severity=Severity.NOTE, since="0.1", default=False)

@@ -276,7 +276,7 @@ def forwarded_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         if target.via and target.live and kind in target.isa:
             yield Finding(
                 target,
-                f"{what} <{target.path}> is reached by way of <{target.via[-1]}>: husk, Arnold and usdrecord do not follow it",
+                f"{what} <{target.path}> is reached by way of <{target.via}>: husk, Arnold and usdrecord do not follow it",
                 label="forwards",
                 help=f"write <{target.path}>",
             )
