@@ -19,6 +19,7 @@ from .members import (
     collection_of,
     composed_tree,
     member,
+    members,
     taken_in,
 )
 from .patterns import STRETCH, Node, Parsed, tree
@@ -27,6 +28,7 @@ from .targets import Targets, arc_field
 from .text import Texts
 from .values import plain_expression, plain_text, read_attr
 
+_MANY = 64
 _QUOTED = re.compile(r'"(\w+)"')
 """USD puts the arguments of predicates in quotes, where people do not."""
 
@@ -112,7 +114,7 @@ class _Reader:
     def _rel(self, name: str) -> Rel:
         rel = self.targets.rel(self.prim, name)
         stage = self.prim.GetStage()
-        return replace(rel, targets=tuple(member(stage, t) for t in rel.targets))
+        return replace(rel, targets=tuple(members(stage, rel.targets)))
 
     def _tree(self) -> Node | None:
         return composed_tree(self.prim, self.name)
@@ -121,7 +123,7 @@ class _Reader:
         whole, written_at = self._tree(), self._written_at(site, specs)
         found = list(whole.patterns()) if whole else []
         relative: dict[str, str] | None = None
-        for parsed, adds in found:
+        for index, (parsed, adds) in enumerate(found):
             text = _QUOTED.sub(r"\1", parsed.text)
             at = written_at.get(parsed.text) or replace(site, target=text)
             start = self._start(parsed, at)
@@ -129,7 +131,9 @@ class _Reader:
             if start.state is State.MISSING or self._is_own(parsed):
                 relative = self._relative(specs) if relative is None else relative
                 written = relative.get(parsed.text)
-            cut = cut_groups(self.prim.GetStage(), parsed, whole) if adds and whole else ()
+            # Each is held against all others: a list of thousands is no person's oversight.
+            few = adds and index < _MANY
+            cut = cut_groups(self.prim.GetStage(), parsed, whole) if few and whole else ()
             conditions = [p for c in parsed.conditions for p in read_predicates(c)]
             yield Pattern(
                 text,

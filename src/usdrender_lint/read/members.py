@@ -7,7 +7,7 @@ their prim, so that USD can evaluate them.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields
 
 from pxr import Sdf, Usd
@@ -19,6 +19,7 @@ from .groups import is_group, matching
 from .patterns import Node, tree
 
 _PREFIX = "collection:"
+_GUESSES = 64
 PROPERTIES = (
     "excludes",
     "expansionRule",
@@ -116,7 +117,15 @@ def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]]) -> Iterator[s
                 pending.append((there, other))
 
 
-def member(stage: Usd.Stage, target: Target) -> Member:
+def members(stage: Usd.Stage, targets: Iterable[Target]) -> Iterator[Member]:
+    """Of those that are missing so many are compared with what is there."""
+    missing = 0
+    for target in targets:
+        missing += target.state is State.MISSING
+        yield member(stage, target, guess=missing <= _GUESSES)
+
+
+def member(stage: Usd.Stage, target: Target, *, guess: bool = True) -> Member:
     """What more there is to know about a prim that a collection names."""
     known = {f.name: getattr(target, f.name) for f in fields(Target)}
     path = Sdf.Path(target.path).GetPrimPath()
@@ -133,7 +142,7 @@ def member(stage: Usd.Stage, target: Target) -> Member:
     above = path.GetParentPath()
     while not (prim := stage.GetPrimAtPath(above)):
         above = above.GetParentPath()
-    known["candidates"] = tuple(_candidates(prim, path))
+    known["candidates"] = tuple(_candidates(prim, path)) if guess else ()
     return Member(**known, nearest=str(above))
 
 

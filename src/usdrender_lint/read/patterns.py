@@ -16,6 +16,8 @@ from pxr import Sdf
 
 from ..records import dataclass
 
+_DEEPEST = 100
+_LONG = 16
 STRETCH = "//"
 """The part of a pattern that matches any number of levels, also none."""
 
@@ -152,6 +154,8 @@ class Op(StrEnum):
     INTERSECTION = "intersection"
     DIFFERENCE = "difference"
     COMPLEMENT = "complement"
+    TOO_DEEP = "too deep"
+    """Operators within operators, more than anybody writes: nothing is known of it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +167,12 @@ class Node:
     pattern: Parsed | None = None
     reference: tuple[str, str] = ("", "")
     """Prim and name of another collection; the prim is empty for one of the same prim."""
+    depth: int = 0
+    near: _Near | None = None
+    """Of a long union: so that not all parts are asked about every path."""
+
+    def _parts_near(self, path: str) -> Iterable[Node]:
+        return self.parts if self.near is None else self.near.of(path)
 
     def patterns(self, adds: bool = True) -> Iterator[tuple[Parsed, bool]]:
         """All patterns, each with whether it puts prims in or takes them out."""
@@ -186,7 +196,7 @@ class Node:
                     return False
                 return None if self.pattern.conditions else True
             case Op.UNION:
-                return _any(part.holds(path) for part in self.parts)
+                return _any(part.holds(path) for part in self._parts_near(path))
             case Op.INTERSECTION:
                 return _not(_any(_not(part.holds(path)) for part in self.parts))
             case Op.DIFFERENCE:
@@ -202,12 +212,36 @@ class Node:
             case Op.PATTERN:
                 return self.pattern is not None and self.pattern.may_match_below(path)
             case Op.UNION:
-                return any(part.may_hold_below(path) for part in self.parts)
+                return any(part.may_hold_below(path) for part in self._parts_near(path))
             case Op.INTERSECTION:
                 return all(part.may_hold_below(path) for part in self.parts)
             case Op.DIFFERENCE:
                 return self.parts[0].may_hold_below(path)
         return True
+
+
+class _Near:
+    """The parts of a union that can match something at, above or below a path."""
+
+    def __init__(self, parts: Iterable[Node]) -> None:
+        self._anywhere: list[Node] = []
+        self._at: dict[str, list[Node]] = {}
+        self._below: dict[str, list[Node]] = {}
+        for part in parts:
+            prefix = part.pattern.prefix if part.pattern is not None else "/"
+            if prefix == "/":
+                self._anywhere.append(part)
+                continue
+            self._at.setdefault(prefix, []).append(part)
+            while prefix := prefix.rpartition("/")[0]:
+                self._below.setdefault(prefix, []).append(part)
+
+    def of(self, path: str) -> Iterator[Node]:
+        yield from self._anywhere
+        yield from self._below.get(path, ())
+        while path:
+            yield from self._at.get(path, ())
+            path = path.rpartition("/")[0]
 
 
 def _not(one: bool | None) -> bool | None:
@@ -221,9 +255,25 @@ def _any(found: Iterable[bool | None]) -> bool | None:
     return None if None in answers else False
 
 
+@dataclass(slots=True)
+class _Growing:
+    """A node whose operands are not all known yet: a list of thousands grows by one at a time."""
+
+    op: Op
+    parts: list[Node]
+
+    def node(self) -> Node:
+        depth = 1 + max(part.depth for part in self.parts)
+        if depth > _DEEPEST:
+            return Node(Op.TOO_DEEP, depth=depth)
+        long = self.op is Op.UNION and len(self.parts) > _LONG
+        near = _Near(self.parts) if long else None
+        return Node(self.op, tuple(self.parts), depth=depth, near=near)
+
+
 def tree(expression: Sdf.PathExpression) -> Node | None:
     """None for an expression that is empty."""
-    made: list[Node] = []
+    made: list[Node | _Growing] = []
     ops = Sdf.PathExpression
     kinds = {
         ops.Complement: Op.COMPLEMENT,
@@ -233,15 +283,21 @@ def tree(expression: Sdf.PathExpression) -> Node | None:
         ops.Difference: Op.DIFFERENCE,
     }
 
+    def grown() -> Node:
+        one = made.pop()
+        return one.node() if isinstance(one, _Growing) else one
+
     def logic(op: Any, index: int) -> None:
         # Told before, between and after the operands, which are told in their own turn.
-        count = 1 if op == ops.Complement else 2
-        if index == count:
-            first, *others = made[-count:]
+        if op == ops.Complement and index == 1:
+            made.append(_Growing(Op.COMPLEMENT, [grown()]).node())
+        elif op != ops.Complement and index == 2:
+            last, first = grown(), made[-1]
             # `a + b + c` comes as two unions, one in the other: a long list would be a deep tree.
-            same = count > 1 and first.op is kinds[op]
-            operands = (*first.parts, *others) if same else (first, *others)
-            made[-count:] = [Node(kinds[op], operands)]
+            if isinstance(first, _Growing) and first.op is kinds[op]:
+                first.parts.append(last)
+            else:
+                made.append(_Growing(kinds[op], [grown(), last]))
 
     def reference(found: Any) -> None:
         made.append(Node(Op.REFERENCE, reference=(str(found.path), str(found.name))))
@@ -250,4 +306,4 @@ def tree(expression: Sdf.PathExpression) -> Node | None:
         made.append(Node(Op.PATTERN, pattern=Parsed.of(found)))
 
     expression.Walk(logic, reference, pattern)
-    return made[0] if made else None
+    return grown() if made else None
