@@ -31,6 +31,7 @@ class Ignores:
         self._texts = texts
         self._shown = shown
         self._comments: dict[str, tuple[Ignore, ...]] = {}
+        self._by_line: dict[str, dict[int | None, list[Ignore]]] = {}
         self._opening: _Opening | None = None
         self._silencing: set[Key] = set()
         self._unseen: set[Key] | None = None
@@ -65,7 +66,10 @@ class Ignores:
         return judged
 
     def _for(self, finding: Located) -> Iterator[Ignore]:
-        yield from self._in_text(_full_name(finding.location))
+        file, span = _full_name(finding.location), finding.location.span
+        yield from self._about(file, None)
+        if span is not None:
+            yield from self._about(file, span.line)
         if self._opening is not None:
             yield from self._opening.in_metadata(finding)
 
@@ -73,6 +77,16 @@ class Ignores:
         if file not in self._comments:
             self._comments[file] = tuple(self._read(file))
         return self._comments[file]
+
+    def _about(self, file: str, line: int | None) -> list[Ignore]:
+        """The comments about a line; None: about the file."""
+        if file not in self._by_line:
+            by_line = self._by_line.setdefault(file, {})
+            for ignore in self._in_text(file):
+                whole = ignore.said.extent is Extent.LAYER
+                for number in (None,) if whole else ignore.lines:
+                    by_line.setdefault(number, []).append(ignore)
+        return self._by_line[file].get(line, [])
 
     def _read(self, file: str) -> Iterator[Ignore]:
         text = self._texts.of_file(file)

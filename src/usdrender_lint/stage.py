@@ -22,7 +22,7 @@ ancestors, and none of its children."""
 
 RENDER_RELATIONSHIPS = ("camera", "products", "orderedVars", "renderSource", "inputPasses")
 
-_ROUNDS = 8
+ROUNDS = 8
 """Of widening, prim by prim, before the layers are asked what a chain leads to in the end."""
 
 _LFS = b"version https://git-lfs.github.com/spec/v1"
@@ -334,7 +334,7 @@ def widen_to_targets(opened: Opened, first: Iterable[str]) -> None:
     widen(opened, first)
     search = _Search(opened)
     for round_ in count():
-        if not widen(opened, search.wanted(ahead=round_ >= _ROUNDS)):
+        if not widen(opened, search.wanted(ahead=round_ >= ROUNDS)):
             return
 
 
@@ -372,20 +372,24 @@ class _Search:
             else:
                 self._beyond.append(path)
                 if ahead:
-                    wanted.update(_promised(stage, path))
+                    wanted.update(promised(stage, path))
         return sorted(map(str, wanted))
 
 
-def _promised(stage: Usd.Stage, first: Sdf.Path) -> set[Sdf.Path]:
-    """What the relationships of the root layer stack lead to, as they are written."""
+def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Path]:
+    """What the relationships of the root layer stack lead to, as they are written. `suffix`: what
+    makes a target the name of the next relationship."""
     layers = stage.GetLayerStack(includeSessionLayers=False)
     found, pending = set[Sdf.Path](), [first]
     while pending:
         path = pending.pop()
         if path not in found:
             found.add(path)
-            for layer in layers if path.IsPropertyPath() else ():
-                if spec := layer.GetRelationshipAtPath(path):
+            if not path.IsPropertyPath():
+                continue
+            further = path.ReplaceName(path.name + suffix) if suffix else path
+            for layer in layers:
+                if spec := layer.GetRelationshipAtPath(further):
                     pending += spec.targetPathList.GetAddedOrExplicitItems()
     return found
 

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import fields
+from itertools import count
 
 from pxr import Sdf, Usd
 
 from ..likeness import most_alike
 from ..model import Candidate, Member, Site, State, Target
-from ..stage import Opened, render_prims, targets_of, widen
+from ..stage import ROUNDS, Opened, promised, render_prims, targets_of, widen
 from .groups import is_group, matching
 from .patterns import Node, tree
 
@@ -83,13 +84,13 @@ def taken_in(prim: Usd.Prim, name: str) -> Iterator[tuple[str, str, str]]:
 
 def widen_to_members(opened: Opened) -> None:
     """Populate what the collections of passes name, until nothing new turns up."""
-    while True:
+    for round_ in count():
         wanted: set[str] = set()
         seen: set[tuple[str, str]] = set()
         for prim in (p for p in render_prims(opened) if p.IsA("RenderPass")):
             for name in collection_names(prim):
                 wanted.update(_named(prim, name))
-                wanted.update(_others(prim, name, seen))
+                wanted.update(_others(prim, name, seen, ahead=round_ >= ROUNDS))
         if not widen(opened, sorted(wanted)):
             return
 
@@ -105,8 +106,9 @@ def _named(prim: Usd.Prim, name: str) -> Iterator[str]:
             yield from matching(prim.GetStage(), pattern.parts[:-1])[1]
 
 
-def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]]) -> Iterator[str]:
-    """Prims of the collections that this one takes in, and those take in, as far as populated."""
+def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]], *, ahead: bool) -> Iterator[str]:
+    """Prims of the collections that this one takes in, and those take in, as far as populated;
+    `ahead`: and as far as the layers alone promise."""
     pending = [(prim, name)]
     while pending:
         for path, other, _ in taken_in(*pending.pop()):
@@ -115,6 +117,9 @@ def _others(prim: Usd.Prim, name: str, seen: set[tuple[str, str]]) -> Iterator[s
             if there and (path, other) not in seen:
                 seen.add((path, other))
                 pending.append((there, other))
+            if not there and ahead:
+                first = Sdf.Path(path).AppendProperty(f"{_PREFIX}{other}")
+                yield from map(str, promised(prim.GetStage(), first, ":includes"))
 
 
 def members(stage: Usd.Stage, targets: Iterable[Target]) -> Iterator[Member]:
