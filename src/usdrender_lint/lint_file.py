@@ -20,6 +20,7 @@ from .read.expressions import ill_formed_expressions
 from .read.packages import split_package
 from .read.scene import read_scene
 from .read.text import Texts
+from .read.undecodable import loaded_layers, make_decodable
 from .read.variants import VariantSet, selecting, variant_sets
 from .records import dataclass
 from .renderers import ANY, choose, renderer
@@ -28,6 +29,7 @@ from .rule import AnyRule, Context, Renderer, Severity
 from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import (
+    DamagedError,
     Diagnostics,
     Opened,
     ParseProblem,
@@ -55,6 +57,12 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
 
 
 def _failed(file: File, error: Exception) -> FileResult:
+    if isinstance(error, DamagedError):
+        said = f"USD opens it, and it is damaged: {error}"
+        return FileResult(problems=(Problem("unreadable-file", file.shown, said),))
+    if isinstance(error, UnicodeDecodeError):
+        said = "holds text that is not UTF-8, or one of its layers does: nothing of it was linted"
+        return FileResult(problems=(Problem("undecodable-text", file.shown, said),))
     what = f"{type(error).__name__}: {error}".splitlines()[0]
     message = f"linting it failed: {what}. This is a bug of usdrender-lint; -v tells where"
     import traceback
@@ -88,12 +96,24 @@ class _File:
         """Whether no part of the stage was missing in any of its openings."""
 
     def lint(self) -> FileResult:
+        before = loaded_layers()
         layer = open_layer(self._path)
         if isinstance(layer, Unreadable):
             return FileResult(problems=(self._unreadable(layer),))
         if isinstance(layer, ParseProblem):
             guilty = ill_formed_expressions(self._texts, self._path) or [_as_layer(layer)]
             return self._without_stage(guilty, [layer])
+        try:
+            return self._composed(layer)
+        except UnicodeDecodeError:
+            undecodable = make_decodable(before)
+            if undecodable is None:
+                raise
+            result = self._composed(layer)
+        problems = (self._undecodable(file, at) for file, at in undecodable.items())
+        return replace(result, problems=(*result.problems, *problems))
+
+    def _composed(self, layer: Sdf.Layer) -> FileResult:
         try:
             composed = self._lint_stage(layer)
         except Tf.ErrorException as error:
@@ -244,6 +264,12 @@ class _File:
     def _unreadable(self, found: Unreadable) -> Problem:
         asked = f" (brought in by {self._shown(found.asked_by)})" if found.asked_by else ""
         return Problem(found.kind, self._shown(found.file), found.message + asked)
+
+    def _undecodable(self, file: str, places: list[str]) -> Problem:
+        metadata = ("the metadata of the layer" if p == "/" else f"<{p}>" for p in places[:4])
+        more = f" and {len(places) - 4} more" if len(places) > 4 else ""
+        said = f"holds text that is not UTF-8, in {', '.join(metadata)}{more}: read without it"
+        return Problem("undecodable-text", self._shown(file), said)
 
     def _crashed(self, crashes: list[Crash]) -> Iterator[Problem]:
         for crash in crashes:

@@ -113,6 +113,10 @@ class Opened:
     unparsed: list[ParseProblem] = field(default_factory=list)
 
 
+class DamagedError(Exception):
+    """A layer opens, and what it holds does not hang together: a spec is listed and not there."""
+
+
 def look(file: str) -> Unreadable | None:
     """What the first bytes tell before USD is asked; its own messages differ by extension."""
     if not file.isascii() and file.encode(errors="replace").decode() != file:

@@ -6,8 +6,10 @@ For places only, never for truth: text that Sdf refuses gets an answer too.
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator
 from functools import cached_property
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from .records import dataclass
@@ -97,6 +99,7 @@ class UsdaText:
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._targets: dict[tuple[int, str], dict[str, Range]] = {}
+        self._begins: dict[int, list[tuple[bytes, int]]] = {}
         self._drawn: dict[int, str] = {}
         """Lines that were asked for: thousands of findings may stand in one that is long."""
 
@@ -132,6 +135,10 @@ class UsdaText:
         entry = self._targets_of(blocks[-1], parsed).get(target)
         return self._text((entry[0] + 1, entry[1] - 1)) if entry else None
 
+    def find(self, word: bytes, start: int = 0) -> int:
+        """The offset of a word, -1 for none."""
+        return self._data.find(word, start)
+
     def mentions(self, word: bytes) -> bool:
         return word in self._data
 
@@ -151,16 +158,19 @@ class UsdaText:
                     line,
                     1 + len(self._text((line_start, start))),
                     None if below is None else self._lines.at(below)[0],
-                    self._around(start) or "/",
+                    self.around(start) or "/",
                 )
 
-    def _around(self, offset: int) -> str:
+    def around(self, offset: int) -> str:
         """The innermost prim or variant in whose text or metadata a byte stands; "" for none."""
         path, block = "", self._scan.root
         while True:
             contents = self._scan.contents(block)
-            before = (n for n, start in contents.prims.items() if start <= offset)
-            name = max(before, key=contents.prims.__getitem__, default=None)
+            if block.start not in self._begins:  # of prims, in the order of the text
+                self._begins[block.start] = list(contents.prims.items())
+            begins = self._begins[block.start]
+            at = bisect_right(begins, offset, key=itemgetter(1)) - 1
+            name = begins[at][0] if at >= 0 else None
             child = None if name is None else self._scan.prim(block, name)
             if name is not None and child and offset < child.end:
                 path, block = f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 from pxr import Sdf, Usd, UsdGeom
 
+from ..likeness import likeness
 from ..model import (
     Attr,
     Camera,
@@ -20,7 +21,7 @@ from ..model import (
     ValueState,
     View,
 )
-from .targets import similarity, state_of
+from .targets import state_of
 from .values import plain_floats, plain_text, read_attr, same_storage
 
 T = TypeVar("T")
@@ -69,7 +70,7 @@ def _meant(stage: Usd.Stage, target: Target) -> str | None:
         return None
     name = target.path.rpartition("/")[2]
     found = target.candidates
-    near = found and similarity(name, found[0].name) >= _SIMILAR[len(found) > 1]
+    near = found and likeness(name, found[0].name) >= _SIMILAR[len(found) > 1]
     path = target.meant or (found[0].path if near else None)
     prim = stage.GetPrimAtPath(path) if path else None
     if not prim or not prim.IsA(UsdGeom.Camera) or prim.IsInstanceProxy() or prim.IsInstance():

@@ -10,6 +10,7 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from ..crate import mentions
+from ..stage import DamagedError
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
 _TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")
@@ -84,6 +85,8 @@ def _walk(spec: Sdf.PrimSpec, skip: tuple[str, ...] = ()) -> Iterator[Sdf.PrimSp
     pending = [spec]
     while pending:
         one = pending.pop()
+        if one is None:
+            raise DamagedError("it lists a prim that is not there")
         if skip and str(one.path) in skip:
             # A render prim *at* the scope's own path is outside, too.
             if _is_wanted(one):
