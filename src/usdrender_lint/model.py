@@ -213,6 +213,8 @@ class Rel:
     written_as_attribute: bool = False
     maybe_more: bool = False
     """An arc on the prim, or a sublayer, did not open: it may bring targets."""
+    forwarding: tuple[str, ...] = ()
+    """All relationships that it leads through."""
     dead_ends: tuple[Site, ...] = ()
     """Relationships that it forwards to and that name nothing, or lead back; only where there is no
     target."""

@@ -118,6 +118,7 @@ class Targets:
             tuple(self._lost(prim, relationship)),
             tuple(_clobbered(prim, relationship, raw)),
             maybe_more=hidden,
+            forwarding=tuple(sorted(map(str, seen))),
             dead_ends=() if targets else tuple(self._dead_ends(raw)),
         )
 

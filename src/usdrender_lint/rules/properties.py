@@ -157,7 +157,7 @@ def _meant_type(name: str) -> str | None:
 def untyped_render_prim(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A prim has the properties of a render prim and no type."""
     rels = [rel for prim in scope.prims() for rel in prim.rels]
-    forwarding = {by for rel in rels for target in rel.targets for by in target.via}
+    forwarding = {by for rel in rels for by in rel.forwarding}
     for prim in scope.others:
         if prim.type_name or prim.state is not State.LIVE or prim.behind_failed_arc:
             continue
