@@ -31,6 +31,7 @@ OUTSIDE = {
         "read.*",
     ),
     "click": ("cli", "options"),
+    "packaging": ("config.keys", "config.read"),
     "rich": ("report.explain",),
     "markdown_it": ("report.explain",),
 }
@@ -39,7 +40,9 @@ OUTSIDE = {
 LAYERS = (
     ("__main__",),
     ("cli",),
-    ("options",),
+    ("options", "answers"),
+    ("plan", "baselines"),
+    ("wanted",),
     ("formats", "console"),
     ("testing",),
     ("lint", "lint_file", "ignores", "variants", "workers", "fix"),
@@ -60,6 +63,9 @@ LAYERS = (
         "registry",
         "pages",
         "config",
+        "config.*",
+        "gitignore",
+        "patterns",
     ),
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),

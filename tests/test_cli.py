@@ -22,7 +22,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from usdrender_lint import __version__, cli
+from usdrender_lint import __version__, cli, wanted
 from usdrender_lint.__main__ import main
 from usdrender_lint.cli import command
 from usdrender_lint.formats import FORMATS
@@ -330,7 +330,7 @@ def test_a_rule_that_raises_costs_no_other_findings(call: Main) -> None:
 def test_a_rule_that_raises_makes_the_run_incomplete(
     chosen: str, call: Main, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cli, "select", lambda *_, **__: broken("missing-camera"))
+    monkeypatch.setattr(wanted, "select", lambda *_, **__: broken("missing-camera"))
     run = call("failed.usda", "--output-format", chosen, "--exit-zero")
     assert run.code == 2
     assert FAILED in unescape(run.out)
@@ -342,10 +342,10 @@ def test_a_rule_that_raises_makes_the_run_incomplete(
 def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
     call: Main, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fails(*_: object) -> Report:
+    def fails(*_: object, **__: object) -> Report:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(cli, "lint", fails)
+    monkeypatch.setattr(cli, "report_on", fails)
     run = call("clean.usda", "--exit-zero")
     assert run.code == 2
     assert run.out == ""
@@ -371,7 +371,7 @@ def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
         ("--ignore ALL x.usda", "no rule is selected"),
         ("--select camera --ignore camera x.usda", "no rule is selected"),
         ("--severity missing-camra=note x.usda", "did you mean 'missing-camera'?"),
-        ("--severity missing-camera=fatal x.usda", "'fatal' is not error, warning or note"),
+        ("--severity missing-camera=fatal x.usda", "'fatal' is not error, warning, note or off"),
         ("--severity missing-camera x.usda", "'missing-camera' is not RULE=LEVEL"),
         ("--severity= x.usda", "no rule is named"),
         ("--fail-on fatal x.usda", "'fatal' is not one of"),
@@ -381,7 +381,7 @@ def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
         ("--output-file= x.usda", "'' names no file"),
         ("--output-file empty x.usda", "'empty' names no file"),
         ("--color sometimes x.usda", "'sometimes' is not one of"),
-        ("--renderer nobody x.usda", "'nobody' is not one of"),
+        ("--renderer nobody x.usda", "unknown renderer 'nobody'"),
         ("--explain missing-camra", "did you mean 'missing-camera'?"),
         ("--explain ../README", "unknown rule '../README'"),
     ],
@@ -395,14 +395,15 @@ def test_an_option_that_has_no_effect_is_an_error(args: str, told: str, call: Ma
 
 @pytest.fixture
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[Config]:
-    """What `lint` is asked for; it finds nothing."""
+    """What is asked for; nothing is found."""
     seen: list[Config] = []
 
-    def nothing(_: object, config: Config) -> Report:
-        seen.append(config)
+    def nothing(*asked: object, **_: object) -> Report:
+        assert isinstance(asked[3], Config)
+        seen.append(asked[3])
         return Report(__version__, (), (), ())
 
-    monkeypatch.setattr(cli, "lint", nothing)
+    monkeypatch.setattr(cli, "report_on", nothing)
     return seen
 
 

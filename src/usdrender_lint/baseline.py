@@ -8,6 +8,7 @@ before it ends with a comma and none changes when another is added below.
 from __future__ import annotations
 
 import json
+import os
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
@@ -65,6 +66,12 @@ class Baseline:
         """How many findings it holds that another does not."""
         return (Counter(self.known) - Counter(other.known)).total()
 
+    def moved(self, start: str, to: str) -> Baseline:
+        """The same, with layers that were told from one folder told from another."""
+        if start == to:
+            return self
+        return Baseline({_moved(entry, start, to): count for entry, count in self.known.items()})
+
     @property
     def count(self) -> int:
         return sum(self.known.values())
@@ -105,6 +112,16 @@ def _entry(finding: Located) -> Entry:
 def _file(entry: Entry) -> str:
     """The package for a layer inside one."""
     return entry.layer.partition("[")[0] if entry.layer.endswith("]") else entry.layer
+
+
+def _moved(entry: Entry, start: str, to: str) -> Entry:
+    file = _file(entry)
+    inside = entry.layer[len(file) :]
+    try:
+        layer = os.path.relpath(Path(start, file), to).replace(os.sep, "/")
+    except ValueError:  # another drive of Windows, from which no path leads here
+        layer = Path(start, file).as_posix()
+    return entry._replace(layer=f"{layer}{inside}")
 
 
 def load(file: Path) -> Baseline:

@@ -11,19 +11,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import __version__, options
+from .config import ConfigError, Wrong
+from .config.find import NOTHING, Configurations
 from .console import forget, say, tell, terminal_width, use_color
+from .discover import Shard
 from .formats import FORMATS, Style, render
-from .lint import Config, lint
+from .lint import report_on
 from .output import OutputError, write_file, write_out
 from .pages import page_text
+from .patterns import Patterns
+from .plan import Plan, Sought, plan
 from .printable import escaped
-from .registry import UnknownRuleError, all_rules, select
+from .registry import UnknownRuleError, all_rules
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
+from .wanted import Options, WantedError
 
 if TYPE_CHECKING:
-    from .baseline import Baseline
+    from .baselines import Held
 
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
 INTERRUPTED, PIPE_CLOSED = 130, 141
@@ -52,6 +58,10 @@ def run(argv: Sequence[str]) -> int:
         told = StringIO()
         error.show(told)
         return _failed(told.getvalue())
+    except ConfigError as error:
+        return _failed("\n".join(map(_wrong, error.wrongs)))
+    except WantedError as error:
+        return _failed(f"Error: {escaped(str(error))}\n")
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
@@ -64,6 +74,15 @@ def run(argv: Sequence[str]) -> int:
         from traceback import format_exc
 
         return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
+
+
+def _wrong(wrong: Wrong) -> str:
+    from .report import full
+
+    file = wrong.file
+    place = file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file
+    color = use_color("auto", sys.stderr)
+    return full.fault(str(place), wrong.span, wrong.source, wrong.message, color=color)
 
 
 def _failed(told: str) -> int:
@@ -115,7 +134,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=_EPILOG,
 )
-@click.argument("paths", nargs=-1, required=True, metavar="PATHS...")
+@click.argument("paths", nargs=-1, metavar="PATHS...")
 @click.option(
     "--select",
     "select_",
@@ -123,6 +142,13 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     metavar="RULES",
     callback=options.selectors,
     help="Rules to run: ids, groups such as 'camera', 'default' or 'ALL', separated by commas.",
+)
+@click.option(
+    "--extend-select",
+    multiple=True,
+    metavar="RULES",
+    callback=options.selectors,
+    help="Rules to run beside those that are selected.",
 )
 @click.option(
     "--ignore",
@@ -136,31 +162,28 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     multiple=True,
     metavar="RULE=LEVEL",
     callback=options.severities,
-    help="Report a rule or group as error, warning or note.",
+    help="Report a rule or group as error, warning or note, or not at all: off.",
 )
 @click.option(
     "--renderer",
-    type=click.Choice(["auto", *renderer_names()]),
-    default="auto",
-    show_default=True,
-    help="The renderer to judge by; 'auto' goes by what the stage holds for one.",
+    type=options.Renderer(["auto", *renderer_names()]),
+    help="The renderer to judge by, also one that the configuration adds; by default 'auto', "
+    "which goes by what the stage holds for one.",
 )
 @click.option(
-    "--scene",
-    is_flag=True,
+    "--scene/--no-scene",
+    default=None,
     help="Run the rules that need the whole stage, too: slow on large ones.",
 )
 @click.option(
-    "--variants",
-    is_flag=True,
+    "--variants/--no-variants",
+    default=None,
     help="Lint every variant of the variant sets that reach the render spec, one set at a time.",
 )
 @click.option(
     "--fail-on",
     type=click.Choice([*(s.value for s in Severity), "never"]),
-    default="warning",
-    show_default=True,
-    help="The least severity that makes the exit code 1.",
+    help="The least severity that makes the exit code 1; by default warning.",
 )
 @click.option(
     "--exit-zero",
@@ -182,6 +205,41 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "--no-ignores",
     is_flag=True,
     help="Show all findings, also those that comments, metadata or the baseline hide.",
+)
+@click.option(
+    "--config",
+    "config_file",
+    metavar="FILE",
+    envvar="USDRENDER_LINT_CONFIG",
+    callback=options.config_file,
+    help="The configuration of all files, instead of usdrender-lint.toml or pyproject.toml in the "
+    "nearest folder above each.",
+)
+@click.option("--isolated", is_flag=True, is_eager=True, help="Read no configuration.")
+@click.option(
+    "--exclude",
+    multiple=True,
+    metavar="PATTERN",
+    callback=options.patterns,
+    help="Files and folders not to lint, named or found, as in .gitignore; beside those of the "
+    "configuration.",
+)
+@click.option(
+    "--no-gitignore",
+    is_flag=True,
+    help="Find files that git ignores, too.",
+)
+@click.option(
+    "--files-from",
+    metavar="FILE",
+    help="Lint also the files and folders that a file names, one a line or ended by NULs; '-' is "
+    "standard input.",
+)
+@click.option(
+    "--shard",
+    metavar="I/N",
+    callback=options.shard,
+    help="Lint only the I-th of N parts of the files, which other runs lint.",
 )
 @click.option(
     "--output-format",
@@ -221,6 +279,16 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     help="Also which renderer each stage was judged by, and what USD said.",
 )
 @click.option(
+    "--show-files",
+    is_flag=True,
+    help="Show the files that would be linted, and lint none.",
+)
+@click.option(
+    "--show-config",
+    is_flag=True,
+    help="Show what holds for PATHS and which file, line or option says so, and lint none.",
+)
+@click.option(
     "--explain",
     metavar="RULE",
     # Not eager: --color and --output-format have to be known, wherever they stand.
@@ -239,47 +307,85 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
 def command(
     paths: tuple[str, ...],
     select_: list[str],
+    extend_select: list[str],
     ignore: list[str],
-    severity: dict[str, Severity],
-    renderer: str,
-    scene: bool,
-    variants: bool,
-    fail_on: str,
+    severity: dict[str, str],
+    renderer: str | None,
+    scene: bool | None,
+    variants: bool | None,
+    fail_on: str | None,
     exit_zero: bool,
     baseline: Path | None,
     update_baseline: bool,
     no_ignores: bool,
+    config_file: Path | None,
+    isolated: bool,
+    exclude: Patterns | None,
+    no_gitignore: bool,
+    files_from: str | None,
+    shard: Shard | None,
     output_format: str,
     output_file: list[tuple[str | None, Path]],
     statistics: bool,
     color: str,
     quiet: bool,
     verbose: bool,
+    show_files: bool,
+    show_config: bool,
 ) -> int:
     """Tell what is wrong with the render spec of OpenUSD stages.
 
     PATHS are files (.usd .usda .usdc .usdz) or folders to search for them.
     """
-    selection = select(select_ or ["default"], ignore, scene=scene)
-    if not selection.told:
-        raise click.UsageError("no rule is selected: nothing would be linted")
-    if update_baseline and (baseline is None or no_ignores):
-        why = "needs --baseline FILE" if baseline is None else "and --no-ignores exclude each other"
-        raise click.UsageError(f"--update-baseline {why}")
-    known = _known(baseline, may_be_missing=update_baseline) if baseline else None
-    report = lint(paths, Config(selection, severity, renderer, variants, ignores=not no_ignores))
+    asked = Options(
+        tuple(select_) or None,
+        tuple(extend_select),
+        tuple(ignore),
+        severity,
+        renderer,
+        scene,
+        variants,
+        fail_on,
+        baseline,
+        not no_ignores,
+    )
+    named = options.names_from(files_from) if files_from is not None else []
+    sought = Sought([*paths, *named], exclude, no_gitignore, shard)
+    configurations = _configurations(config_file, isolated)
+    if show_config:
+        from . import answers
+
+        return answers.show_config(sought, asked, configurations, output_format)
+    if not sought.paths:
+        raise click.UsageError("Missing argument 'PATHS...'.")
+    if show_files:
+        from . import answers
+
+        return answers.show_files(sought, configurations, output_format)
+    for other, name in ((no_ignores, "--no-ignores"), (shard, "--shard")):
+        if update_baseline and other:
+            raise click.UsageError(f"--update-baseline and {name} exclude each other")
+    plans = plan(sought, asked, configurations)
+    _tell_excluded(plans, quiet=quiet, verbose=verbose)
+    if update_baseline and not plans.baselines:
+        raise click.UsageError("--update-baseline needs --baseline FILE, or one in a configuration")
+    known = _known(plans, may_be_missing=update_baseline) if plans.baselines else []
+    report = report_on(
+        plans.asked, plans.problems, plans.shown, plans.otherwise, part=str(shard or "")
+    )
     _complain(report, color)
     for note in report.notes if not quiet else ():
         tell(f"Note: {note}")
     written = True
-    if baseline and known and not no_ignores:
+    if known and not no_ignores:
+        from .baselines import hide
+
         if update_baseline:
-            known, written = _update(baseline, known, report, quiet)
-        elif (gone := known.stale(report)) and not quiet:
-            which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
-            tell(f"Note: {baseline} holds {which} gone: see --update-baseline")
-        report = known.hide(report)
-    style = Style(fail_on, statistics, quiet, verbose)
+            known, written = _update(known, report, plans, quiet)
+        else:
+            _tell_stale(known, report, quiet)
+        report = hide(report, known)
+    style = Style(statistics, quiet, verbose)
     for chosen, file in output_file:
         try:
             write_file(file, render(report, chosen or output_format, None, style))
@@ -287,43 +393,77 @@ def command(
             written = False
             tell(f"Error: {error}")
     write_out(render(report, output_format, color, style))
-    return exit_code(report, fail_on, exit_zero) if written else INCOMPLETE
+    return exit_code(report, exit_zero) if written else INCOMPLETE
 
 
-def _known(file: Path, *, may_be_missing: bool) -> Baseline:
-    from .baseline import Baseline, BaselineError, load
+def _configurations(file: Path | None, isolated: bool) -> Configurations:
+    if isolated:
+        return Configurations(NOTHING)
+    if file is None:
+        return Configurations()
+    from .config.read import configuration
 
+    return Configurations(configuration(file, str(Path.cwd())))
+
+
+def _tell_excluded(plans: Plan, *, quiet: bool, verbose: bool) -> None:
+    if verbose:
+        for path in plans.excluded:
+            tell(f"Note: {path} is excluded")
+    if (why := plans.why_nothing) and not quiet:
+        tell(f"Note: no file was linted: {why}")
+
+
+def _known(plans: Plan, *, may_be_missing: bool) -> list[Held]:
+    from .baseline import BaselineError
+    from .baselines import held
+
+    start = str(plans.shown.root)
     try:
-        return Baseline({}) if may_be_missing and not file.exists() else load(file)
+        return [
+            held(one.file, one.start, one.roots, start, may_be_missing=may_be_missing)
+            for one in plans.baselines
+        ]
     except BaselineError as error:
         raise click.ClickException(escaped(str(error))) from None
 
 
-def _update(file: Path, known: Baseline, report: Report, quiet: bool) -> tuple[Baseline, bool]:
-    """The new baseline, if it could be written. What was not looked at is neither new nor gone."""
+def _tell_stale(known: list[Held], report: Report, quiet: bool) -> None:
+    for one in known:
+        if (gone := one.stale(report)) and not quiet:
+            which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
+            tell(f"Note: {one.file} holds {which} gone: see --update-baseline")
+
+
+def _update(known: list[Held], report: Report, plans: Plan, quiet: bool) -> tuple[list[Held], bool]:
+    """The new baselines, if they could be written. What was not looked at is neither new nor gone."""
     if not report.complete:
-        tell(f"Error: {file} is not updated: the run is incomplete")
+        for one in known:
+            tell(f"Error: {one.file} is not updated: the run is incomplete")
         return known, False
-    new = known.updated(report)
-    try:
-        write_file(file, new.text())
-    except OutputError as error:
-        tell(f"Error: {error}")
-        return known, False
-    if not quiet:
-        changes = f"{new.beyond(known)} added, {known.beyond(new)} taken out"
-        tell(f"Note: {file} is written: {changes}, {new.count} in all")
-    return new, True
+    updated = []
+    for old in known:
+        new = old.updated(report)
+        try:
+            write_file(old.file, new.text(str(plans.shown.root)))
+        except OutputError as error:
+            tell(f"Error: {error}")
+            return known, False
+        updated.append(new)
+        if not quiet:
+            added, gone = new.known.beyond(old.known), old.known.beyond(new.known)
+            all_told = f"{added} added, {gone} taken out, {new.known.count} in all"
+            tell(f"Note: {old.file} is written: {all_told}")
+    return updated, True
 
 
-def exit_code(report: Report, fail_on: str, exit_zero: bool) -> int:
+def exit_code(report: Report, exit_zero: bool) -> int:
     """One contract for every format. What is incomplete is never clean, and never merely found."""
     if not report.complete:
         return INCOMPLETE
-    if exit_zero or fail_on == "never":
+    if exit_zero:
         return CLEAN
-    worst = Severity(fail_on).rank
-    return FINDINGS if any(f.severity.rank <= worst for f in report.findings) else CLEAN
+    return FINDINGS if any(map(report.fails, report.findings)) else CLEAN
 
 
 def _complain(report: Report, color: str) -> None:

@@ -10,7 +10,6 @@ from .console import terminal_width, use_color
 from .pages import pages
 from .records import dataclass
 from .results import Report
-from .rule import Severity
 
 FORMATS = ("full", "concise", "json", "sarif", "github", "gitlab", "junit")
 BY_SUFFIX = {".sarif": "sarif", ".json": "json", ".xml": "junit"}
@@ -20,7 +19,6 @@ BY_SUFFIX = {".sarif": "sarif", ".json": "json", ".xml": "junit"}
 class Style:
     """What a person asked for about the reports, beside their format."""
 
-    fail_on: str
     statistics: bool
     quiet: bool
     verbose: bool
@@ -49,8 +47,7 @@ def render(report: Report, chosen: str, color: str | None, style: Style) -> str:
         case "junit":
             from .report import junit
 
-            fails = None if style.fail_on == "never" else Severity(style.fail_on)
-            return junit.render(report, fails)
+            return junit.render(report)
         case _ if style.statistics:
             from .report import statistics
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import field, replace
 from pathlib import Path
 
 from . import __version__
+from .config.find import NOTHING, Configurations
 from .context import (
     MOST_STAGES,
     Outline,
@@ -22,14 +23,17 @@ from .context import (
 from .discover import Shown, discover
 from .discover import Target as File
 from .model import Layer
+from .patterns import Patterns
 from .records import dataclass
 from .registry import Selection, select
-from .renderers import ANY, renderer
+from .renderers import ANY, Own, renderer
 from .results import Located, Problem, RendererChoice, Report, Verdict
 from .rule import Context, Severity
 from .run import Crash
 from .suppress import Ignore, Key, findings_of
 
+SCOPES = ("/Render",)
+"""Where the schema has render prims, and renderers look for them."""
 NAMED = 3
 """Prims that a message lists beside its own."""
 
@@ -41,14 +45,24 @@ class Config:
     selection: Selection = field(default_factory=select)
     severities: dict[str, Severity] = field(default_factory=dict)
     renderer: str = "auto"
+    own_renderers: tuple[Own, ...] = ()
+    """Beside those of the package."""
     variants: bool = False
     """Also every variant of the variant sets that reach the render spec."""
-    scopes: tuple[str, ...] = ("/Render",)
+    scopes: tuple[str, ...] = SCOPES
     ignores: bool = True
     """Whether comments and metadata hide findings."""
     roots: tuple[str, ...] = ()
     """Stages through which the layers that they use are linted: patterns of `glob`, absolute or from
     the current folder."""
+    per_file_ignores: tuple[tuple[Patterns, frozenset[str]], ...] = ()
+    """Rules not to report of the layers whose files a pattern matches."""
+    fail_on: str = "warning"
+    """The least severity that fails a run; `never` for none."""
+
+    def leaves_out(self, rule: str, file: str) -> bool:
+        """Whether a rule is not to be reported of a file's layers."""
+        return any(rule in rules and file in files for files, rules in self.per_file_ignores)
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,32 +85,86 @@ class FileResult:
     """None where there was no stage."""
 
 
+Asked = tuple[File, Config]
+"""A file, and what is asked for it."""
+Lint = Callable[[Sequence[Asked], Shown], list[FileResult]]
+
+
+def lint_here(asked: Iterable[Asked], shown: Shown) -> list[FileResult]:
+    """In this process: what brings USD down brings it down, too."""
+    return [_lint_file(file, config, shown) for file, config in asked]
+
+
 def lint(paths: Iterable[str], config: Config | None = None, cwd: Path | None = None) -> Report:
     """Lint files and folders. Never raises for what is wrong with them: see `Report.problems`."""
     config = config or Config()
     shown = Shown(cwd)
-    files, problems = discover(paths, shown)
-    plan = planned(files, config.roots, config.scopes, cwd or Path.cwd(), shown)
-    results = _lint_all(plan.targets, config, shown)
-    results, notes = _in_context(plan, results, config, shown)
-    return _report(plan, problems, results, notes, config)
+    found = discover(paths, shown, Configurations(NOTHING))
+    asked = [(file, config) for file in found.files]
+    return report_on(asked, found.problems, shown, config, cwd=cwd)
 
 
-def _lint_all(files: Iterable[File], config: Config, shown: Shown) -> list[FileResult]:
-    return [_lint_file(file, config, shown) for file in files]
+def report_on(
+    asked: Sequence[Asked],
+    problems: Iterable[Problem],
+    shown: Shown,
+    otherwise: Config,
+    lint_files: Lint = lint_here,
+    *,
+    cwd: Path | None = None,
+    part: str = "",
+) -> Report:
+    """Lint each file as it is asked for; `otherwise` stands for all where there is none.
+
+    `part` names that of a run that several share: what is not found here may be found there.
+    """
+    groups = _groups(asked, otherwise, cwd or Path.cwd(), shown)
+    linted = [(file, group.config) for group in groups for file in group.plan.targets]
+    results = lint_files(linted, shown)
+    results, notes = _in_context(groups, results, shown, lint_files)
+    problems = [*problems, *(p for r in results for p in r.problems)]
+    ran = {} if part or problems else _ran(linted, results)
+    return replace(_report(groups, problems, results, notes, ran), part=part)
+
+
+@dataclass(frozen=True, slots=True)
+class _Group:
+    """Files for which the same is asked."""
+
+    config: Config
+    plan: Plan
+
+
+def _groups(asked: Sequence[Asked], otherwise: Config, cwd: Path, shown: Shown) -> list[_Group]:
+    files: dict[int, list[File]] = {}
+    configs = {id(config): config for _, config in asked} or {id(otherwise): otherwise}
+    for file, config in asked:
+        files.setdefault(id(config), []).append(file)
+    return [
+        _Group(c, planned(files.get(one, []), c.roots, c.scopes, cwd, shown))
+        for one, c in configs.items()
+    ]
 
 
 def _in_context(
-    plan: Plan, results: list[FileResult], config: Config, shown: Shown
+    groups: list[_Group], results: list[FileResult], shown: Shown, lint_files: Lint
 ) -> tuple[list[FileResult], list[str]]:
     """What holds of each layer in the stages that use it; and what is to be said of the roots."""
-    results = [_unless_idle(*one, shown) for one in zip(plan.targets, results, strict=True)]
-    notes = [*plan.notes, *not_used(plan, [r.layers for r in results], shown)]
-    seen = seen_through(plan.targets, [r.outline or Outline() for r in results], plan.roots)
-    if not plan.roots:
-        alone = [i for i, r in enumerate(results) if not seen[i] and _may_be_part(r)]
-        for i, advised in zip(alone, _advised(plan, results, alone, config, shown), strict=True):
-            results[i] = advised
+    targets = [file for group in groups for file in group.plan.targets]
+    results = [_unless_idle(*one, shown) for one in zip(targets, results, strict=True)]
+    roots = frozenset[str]().union(*(group.plan.roots for group in groups))
+    seen = seen_through(targets, [r.outline or Outline() for r in results], roots)
+    notes: list[str] = []
+    start = 0
+    for group in groups:
+        plan, end = group.plan, start + len(group.plan.targets)
+        notes += [*plan.notes, *not_used(plan, [r.layers for r in results[start:end]], shown)]
+        if not plan.roots:
+            alone = [i for i in range(start, end) if not seen[i] and _may_be_part(results[i])]
+            own = [(targets[i], results[i]) for i in alone]
+            for i, told in zip(alone, _advised(own, group.config, shown, lint_files), strict=True):
+                results[i] = told
+        start = end
     return [_as_part(r) if seen[i] else r for i, r in enumerate(results)], notes
 
 
@@ -124,18 +192,18 @@ def _may_be_part(result: FileResult) -> bool:
 
 
 def _advised(
-    plan: Plan, results: list[FileResult], alone: list[int], config: Config, shown: Shown
+    alone: list[tuple[File, FileResult]], config: Config, shown: Shown, lint_files: Lint
 ) -> Iterator[FileResult]:
     """Those of layers that a stage beside or above them sublayers, with word of it."""
-    beside = siblings([plan.given[i] for i in alone], config.scopes, shown)
+    beside = siblings([file for file, _ in alone], config.scopes, shown)
     stages = {stage.shown: stage for found in beside for stage in found}
     opened = list(stages.values())[:MOST_STAGES]
-    linted = zip(opened, _lint_all(opened, config, shown), strict=True)
+    linted = zip(opened, lint_files([(stage, config) for stage in opened], shown), strict=True)
     # Where a part of the stage is missing, nothing is known to be right.
     found = {stage.shown: r.findings for stage, r in linted if r.ran is not None}
-    for i, near in zip(alone, beside, strict=True):
+    for (_, result), near in zip(alone, beside, strict=True):
         known = {one.shown: found[one.shown] for one in near if one.shown in found}
-        yield replace(results[i], findings=advised(results[i].findings, known))
+        yield replace(result, findings=advised(result.findings, known))
 
 
 def _lint_file(file: File, config: Config, shown: Shown) -> FileResult:
@@ -146,53 +214,79 @@ def _lint_file(file: File, config: Config, shown: Shown) -> FileResult:
 
 
 def _report(
-    plan: Plan,
+    groups: list[_Group],
     problems: list[Problem],
     results: list[FileResult],
     notes: list[str],
-    config: Config,
+    ran: dict[str, frozenset[str]],
 ) -> Report:
-    problems = [*problems, *(p for r in results for p in r.problems)]
-    ran = {} if problems else _ran(plan, results)
-    files = [file for file, r in zip(plan.targets, results, strict=True) if r.layers]
-    about, crashes = findings_of(
-        {f.shown: r.ignores for f, r in zip(plan.targets, results, strict=True) if r.ignores},
+    linted = [(file, group.config) for group in groups for file in group.plan.targets]
+    files = [file for (file, _), r in zip(linted, results, strict=True) if r.layers]
+    configs = [group.config for group in groups]
+    about: list[Located] = []
+    for config in configs:
+        told, crashes = _about_suppressions(config, linted, results, ran)
+        about += told
+        problems = [*problems, *(crashed_rule(file, crash) for file, crash in crashes)]
+    found = [*(f for r in results for f in r.findings), *about]
+    if not all(config.ignores for config in configs):
+        found = [replace(f, verdict=Verdict.REPORTED) for f in found]
+    merged = _merge(found)
+    rules = {rule.id: rule for config in configs for rule in config.selection.run}
+    return Report(
+        __version__,
+        tuple(rules[name] for name in sorted(rules)),
+        tuple(sorted(file.shown for file in files if not file.about)),
+        tuple(f for f in merged if f.verdict is Verdict.REPORTED),
+        tuple(sorted(dict.fromkeys(problems), key=lambda p: (p.path, p.kind, p.message))),
+        tuple(r.renderer for r in results if r.renderer),
+        tuple(sorted({s for c in configs for s in c.selection.skipped}, key=lambda s: s.rule)),
+        tuple(sorted({layer for r in results for layer in r.layers})),
+        tuple(dict.fromkeys(c for r in results for c in r.chatter)),
+        tuple(f for f in merged if f.verdict is not Verdict.REPORTED),
+        ran,
+        tuple(sorted({file.shown for file in files if file.about})),
+        tuple(notes),
+        {file.shown: config.fail_on for file, config in linted},
+        {file.shown: group.plan.given[0].shown for group in groups for file in group.plan.added},
+    )
+
+
+def _about_suppressions(
+    config: Config,
+    linted: Sequence[Asked],
+    results: list[FileResult],
+    ran: dict[str, frozenset[str]],
+) -> tuple[list[Located], list[tuple[str, Crash]]]:
+    """What is found of the suppressions in the files that are judged by one configuration."""
+    found, crashes = findings_of(
+        {
+            file.shown: result.ignores
+            for (file, its), result in zip(linted, results, strict=True)
+            if result.ignores and its is config
+        },
         frozenset[Key]().union(*(r.needed for r in results)),
         ran,
         config.selection.run,
         Context(renderer(ANY)),
         config.severities,
     )
-    problems = [*problems, *(crashed_rule(file, crash) for file, crash in crashes)]
-    found = [*(f for r in results for f in r.findings), *about]
-    if not config.ignores:
-        found = [replace(f, verdict=Verdict.REPORTED) for f in found]
-    merged = _merge(found)
-    return Report(
-        __version__,
-        config.selection.run,
-        tuple(file.shown for file in files if not file.about),
-        tuple(f for f in merged if f.verdict is Verdict.REPORTED),
-        tuple(sorted(dict.fromkeys(problems), key=lambda p: (p.path, p.kind, p.message))),
-        tuple(r.renderer for r in results if r.renderer),
-        config.selection.skipped,
-        tuple(sorted({layer for r in results for layer in r.layers})),
-        tuple(dict.fromkeys(c for r in results for c in r.chatter)),
-        tuple(f for f in merged if f.verdict is not Verdict.REPORTED),
-        ran,
-        tuple(file.shown for file in files if file.about),
-        tuple(notes),
-    )
+    return [f for f in found if not config.leaves_out(f.rule.id, f.location.file)], crashes
 
 
-def _ran(plan: Plan, results: list[FileResult]) -> dict[str, frozenset[str]]:
-    ran: dict[str, set[str]] = {f.shown: set() for f in plan.given}
+def _ran(linted: Sequence[Asked], results: list[FileResult]) -> dict[str, frozenset[str]]:
+    ran: dict[str, set[str]] = {file.shown: set() for file, _ in linted if not file.about}
     broken: set[str] = set()
-    for file, result in zip(plan.targets, results, strict=True):
+    for (file, _), result in zip(linted, results, strict=True):
         for layer in {file.shown, *result.layers}.intersection(ran):
             ran[layer].update(result.ran or ())
             if result.ran is None:
                 broken.add(layer)
+    particular = {id(config): config for _, config in linted if config.per_file_ignores}
+    for file, _ in linted:
+        for config in particular.values() if not file.about else ():
+            at = str(file.file)
+            ran[file.shown] -= {r for r in ran[file.shown] if config.leaves_out(r, at)}
     return {f: frozenset(rules) for f, rules in ran.items() if f not in broken}
 
 

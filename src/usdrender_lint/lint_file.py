@@ -146,9 +146,9 @@ class _File:
         )
         scope = read(opened, self._texts)
         chosen, reason = (
-            choose(scope.evidence)
+            choose(scope.evidence, self._config.own_renderers)
             if self._config.renderer == "auto"
-            else (renderer(self._config.renderer), "asked for")
+            else (renderer(self._config.renderer, self._config.own_renderers), "asked for")
         )
         locator = Locator(opened.stage, self._path, self._texts, self._shown, opened.unparsed)
         self._ignores.enter(opened.stage, locator, layer if self._tells_idle else None)
@@ -234,8 +234,10 @@ class _File:
         for one in told if self._judges_suppressions else settled:
             severity = self._severity(one, chosen)
             if severity is not None and one.rule.id in selection.told:
-                judged = self._ignores.judge(locator.locate(one, severity))
-                if id(one) in kept:
+                located = locator.locate(one, severity)
+                judged = self._ignores.judge(located)
+                left_out = self._config.leaves_out(one.rule.id, located.location.file)
+                if id(one) in kept and not left_out:
                     found.append(judged)
         self._ran.update(r.id for r in rules if r.id in selection.told and self._speaks(r, chosen))
         return tuple(found), crashes

@@ -833,6 +833,8 @@ class RenderScope:
     its cameras, are to complete it."""
     is_library: bool
     """A part without settings, that names none: products, vars or passes for those of a shot."""
+    homes: tuple[str, ...] = ("/Render",)
+    """Where render prims belong in this show."""
 
     def prims(self) -> Iterator[RenderPrim]:
         yield from self.settings

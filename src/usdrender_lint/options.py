@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+import codecs
+import os
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 import click
+from click.core import ParameterSource
 
-from .discover import USD_SUFFIXES
+from .config.find import absolute
+from .discover import USD_SUFFIXES, Shard
 from .formats import BY_SUFFIX, FORMATS
+from .patterns import PatternError, Patterns, check
 from .registry import UnknownRuleError, matching
 from .rule import Severity
+from .wanted import OFF
 
 
 def _split(values: Sequence[str]) -> list[str]:
@@ -31,8 +38,8 @@ def selectors(ctx: click.Context, param: click.Parameter, values: tuple[str, ...
 
 def severities(
     ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
-) -> dict[str, Severity]:
-    chosen: dict[str, Severity] = {}
+) -> dict[str, str]:
+    chosen: dict[str, str] = {}
     given = _split(values)
     if values and not given:
         raise click.BadParameter("no rule is named", ctx, param)
@@ -40,13 +47,20 @@ def severities(
         name, equals, level = value.partition("=")
         if not equals:
             raise click.BadParameter(f"{value!r} is not RULE=LEVEL", ctx, param)
-        if level not in list(Severity):
-            raise click.BadParameter(f"{level!r} is not error, warning or note", ctx, param)
+        if level not in [*Severity, OFF]:
+            raise click.BadParameter(f"{level!r} is not error, warning, note or off", ctx, param)
         try:
-            chosen.update(dict.fromkeys(matching(name), Severity(level)))
+            chosen.update(dict.fromkeys(matching(name), level))
         except UnknownRuleError as error:
             raise click.BadParameter(str(error), ctx, param) from None
     return chosen
+
+
+class Renderer(click.Choice[str]):
+    """Names that are known before any configuration is read. Others may be a show's own."""
+
+    def convert(self, value: str, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        return value
 
 
 def outputs(
@@ -77,3 +91,55 @@ def baseline_file(ctx: click.Context, param: click.Parameter, value: str | None)
     if Path(value).suffix.lower() in USD_SUFFIXES:
         raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
     return Path(value)
+
+
+def patterns(
+    ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
+) -> Patterns | None:
+    for value in values:
+        try:
+            check(value)
+        except PatternError as error:
+            raise click.BadParameter(str(error), ctx, param) from None
+    return Patterns(values, str(Path.cwd())) if values else None
+
+
+def shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Shard | None:
+    if value is None:
+        return None
+    number, slash, of = value.partition("/")
+    if not (slash and number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):
+        raise click.BadParameter(f"{value!r} is not I/N, such as 1/4", ctx, param)
+    return Shard(int(number), int(of))
+
+
+def names_from(value: str) -> list[str]:
+    """One a line, or each ended by a NUL where there is one: `git diff -z` and `find -print0`."""
+    try:
+        data = sys.stdin.buffer.read() if value == "-" else Path(value).read_bytes()
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise click.BadParameter(
+            f"{value!r} cannot be read: {reason}", param_hint="--files-from"
+        ) from None
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # `>` of PowerShell
+        text = data.decode("utf-16", "replace")
+    else:
+        text = os.fsdecode(data.removeprefix(codecs.BOM_UTF8))
+    names = text.split("\0") if "\0" in text else text.splitlines()
+    found = [name for name in names if name.strip()]
+    if not found:
+        raise click.BadParameter(f"{value!r} names no file", param_hint="--files-from")
+    return found
+
+
+def config_file(ctx: click.Context, param: click.Parameter, value: str | None) -> Path | None:
+    if value is None:
+        return None
+    if ctx.params.get("isolated"):
+        if ctx.get_parameter_source(param.name or "") is ParameterSource.ENVIRONMENT:
+            return None
+        raise click.UsageError("--isolated and --config exclude each other", ctx)
+    if not value.strip() or Path(value).is_dir():
+        raise click.BadParameter(f"{value!r} names no file", ctx, param)
+    return Path(absolute(value))

@@ -228,6 +228,12 @@ class Report:
     """Roots that were linted on behalf of layers, as shown, sorted: only what concerns these is told."""
     notes: tuple[str, ...] = ()
     """What is to be known of the run beside what was found."""
+    gates: dict[str, str] = field(default_factory=dict)
+    """For each linted file, as shown, the least severity that fails the run, or `never`."""
+    behalf: dict[str, str] = field(default_factory=dict)
+    """For each of `through` one of the files as whose configuration asks it was linted."""
+    part: str = ""
+    """Which part of a run that several share, as in `shard-1-of-4`; empty for the whole."""
     counts: dict[Severity, int] = field(init=False, default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -236,6 +242,16 @@ class Report:
     @builtins.property
     def complete(self) -> bool:
         return not self.problems
+
+    def gate(self, root: str) -> Severity | None:
+        """The least severity at which a finding in that stage fails the run; None: none does."""
+        level = self.gates.get(root, Severity.WARNING.value)
+        return None if level == "never" else Severity(level)
+
+    def fails(self, finding: Located) -> bool:
+        """Whether a finding fails the run in any stage in which it holds."""
+        gates = (self.gate(root) for root in finding.roots or (finding.location.path,))
+        return any(gate and finding.severity.rank <= gate.rank for gate in gates)
 
     @builtins.property
     def in_baseline(self) -> int:

@@ -118,6 +118,7 @@ class _Reader:
             self._part.only_overrides,
             self._part.is_part,
             self._part.is_library,
+            homes=self._opened.scopes,
         )
 
     def _is_inside(self, path: str) -> bool:

@@ -42,13 +42,22 @@ from pathlib import Path
 from typing import Any
 
 from ..model import Evidence
+from ..records import dataclass
 from ..rule import Renderer, Severity
 
 ANY = "any"
 
 
+@dataclass(frozen=True, slots=True)
+class Own:
+    """A renderer that a show adds to those of the package; its text is known to be one."""
+
+    name: str
+    text: str
+
+
 @cache
-def _tables() -> dict[str, dict[str, Any]]:
+def _built_in() -> dict[str, dict[str, Any]]:
     import tomllib
 
     return {file.stem: tomllib.loads(file.read_text("utf-8")) for file in _files()}
@@ -58,26 +67,34 @@ def _files() -> list[Path]:
     return sorted(Path(__file__).parent.glob("*.toml"))
 
 
-def names() -> list[str]:
-    return [file.stem for file in _files()]
-
-
 @cache
-def renderer(name: str) -> Renderer:
+def _tables(own: tuple[Own, ...]) -> dict[str, dict[str, Any]]:
+    import tomllib
+
+    tables = _built_in() | {one.name: tomllib.loads(one.text) for one in own}
+    return dict(sorted(tables.items()))
+
+
+def names(own: tuple[Own, ...] = ()) -> list[str]:
+    return sorted([*(file.stem for file in _files()), *(one.name for one in own)])
+
+
+def renderer(name: str, own: tuple[Own, ...] = ()) -> Renderer:
     """The facts about one renderer; `KeyError` for a name that is not in `names()`."""
-    return _read(name, (name,))
+    return _read(name, (name,), own)
 
 
-@cache
-def _any_of(contenders: tuple[str, ...]) -> Renderer:
+def _any_of(contenders: tuple[str, ...], own: tuple[Own, ...]) -> Renderer:
     """For a stage that is made for several: what one of them accepts is no mistake, and what one of
     them leaves out is not told."""
-    return _read(ANY, contenders)
+    return _read(ANY, contenders, own)
 
 
-def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
-    table = _tables()[name]
-    tables = [*(_tables()[one] for one in accepting if one != ANY), _tables()[ANY]]
+@cache
+def _read(name: str, accepting: tuple[str, ...], own: tuple[Own, ...]) -> Renderer:
+    known = _tables(own)
+    table = known[name]
+    tables = [*(known[one] for one in accepting if one != ANY), known[ANY]]
 
     def ordered(key: str) -> tuple[str, ...]:
         return tuple(dict.fromkeys(entry for one in tables for entry in one.get(key, ())))
@@ -90,7 +107,9 @@ def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
         table["title"],
         product_types=listed("product-types"),
         deep_types=listed("deep-types"),
-        deep_extensions=_every("deep-extensions") if name == ANY else listed("deep-extensions"),
+        deep_extensions=_every("deep-extensions", own)
+        if name == ANY
+        else listed("deep-extensions"),
         special_product_names=listed("special-product-names"),
         camera_types=listed("camera-types"),
         data_types=listed("data-types"),
@@ -99,14 +118,14 @@ def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
         source_name_attributes=listed("source-name-attributes"),
         properties=listed("properties"),
         unnamed_product=table.get("unnamed-product", ""),
-        extensions=_every("extensions") if name == ANY else listed("extensions"),
+        extensions=_every("extensions", own) if name == ANY else listed("extensions"),
         unsupported_extensions=listed("unsupported-extensions"),
         exact_extension_case=bool(table.get("exact-extension-case")),
         multi_channel_extensions=listed("multi-channel-extensions"),
         frame_tokens=ordered("frame-tokens"),
         name_variables=ordered("name-variables"),
         namespaces=listed("namespaces"),
-        known_namespaces=_every("namespaces"),
+        known_namespaces=_every("namespaces", own),
         aov_name_attributes=ordered("aov-name-attributes"),
         source_types=listed("source-types"),
         source_prefixes=listed("source-prefixes"),
@@ -124,27 +143,27 @@ def _read(name: str, accepting: tuple[str, ...]) -> Renderer:
     )
 
 
-def _every(key: str) -> frozenset[str]:
+def _every(key: str, own: tuple[Own, ...]) -> frozenset[str]:
     """What all tables list; an empty entry is one renderer's affair."""
-    return frozenset(n for one in _tables().values() for n in one.get(key, ()) if n)
+    return frozenset(n for one in _tables(own).values() for n in one.get(key, ()) if n)
 
 
-def choose(evidence: Evidence) -> tuple[Renderer, str]:
+def choose(evidence: Evidence, own: tuple[Own, ...] = ()) -> tuple[Renderer, str]:
     """The renderer that left by far the most traces, and which; `any` where none did, or several."""
     weighed = [
         (weight, name, reason)
-        for name, table in _tables().items()
+        for name, table in _tables(own).items()
         for weight, reason in [_weigh(table.get("evidence", {}), evidence)]
         if weight
     ]
     if not weighed:
-        return renderer(ANY), "no traces of a renderer"
+        return renderer(ANY, own), "no traces of a renderer"
     most = max(weight for weight, _, _ in weighed)
     contenders = [(name, reason) for weight, name, reason in weighed if 2 * weight > most]
     if len(contenders) == 1:
-        return renderer(contenders[0][0]), contenders[0][1]
+        return renderer(contenders[0][0], own), contenders[0][1]
     names = tuple(name for name, _ in contenders)
-    return _any_of(names), f"traces of {' and '.join(names)}, none by far the most"
+    return _any_of(names, own), f"traces of {' and '.join(names)}, none by far the most"
 
 
 def _weigh(table: dict[str, Any], evidence: Evidence) -> tuple[int, str]:

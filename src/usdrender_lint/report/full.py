@@ -98,6 +98,20 @@ def problems(report: Report, color: bool) -> str:
     )
 
 
+def fault(place: str, span: Span | None, source: str | None, message: str, *, color: bool) -> str:
+    """A mistake in a file that is no layer, for standard error."""
+    look = _Look(Ink(color), PIPED_WIDTH, "|", "...", Path.cwd(), False)
+    sgr = SEVERITY_SGR[Severity.ERROR]
+    lines = [f"{look.ink(sgr, 'error')}{look.ink(BOLD, f': {escaped(message)}')}"]
+    margin = max(2, len(str(span.line)) if span else 0)
+    arrow = look.ink(FAINT, "-->")
+    lines.append(f"{' ' * margin}{arrow} {escaped(place)}{position(span)}")
+    if span and source is not None:
+        lines.append(f"{' ' * margin} {look.ink(FAINT, look.bar)}")
+        lines += _source(source, span, "", sgr, margin, look)
+    return "".join(f"{line}\n" for line in lines)
+
+
 def shown(location: Location, base: Path | None = None) -> str:
     """The layer's file as seen from `base`, or as the report has it; and the member of a package."""
     path = escaped((base and _below(PurePath(location.file), base)) or location.path)

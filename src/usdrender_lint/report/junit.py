@@ -26,8 +26,8 @@ WITHOUT_FINDINGS = "render-spec"
 """The case of a stage about which there is nothing to say: a suite without cases is an error to some."""
 
 
-def render(report: Report, fails: Severity | None) -> str:
-    """Findings at or above `fails` are failures, as they are for the exit code: a red test in a green
+def render(report: Report) -> str:
+    """Findings that fail the run are failures, as they are for the exit code: a red test in a green
     job helps nobody. The others stand in the output of a case that passes.
 
     XML has no way to hold most control characters: they are written as in `full`, `\\x1b`.
@@ -43,7 +43,7 @@ def render(report: Report, fails: Severity | None) -> str:
     for problem in report.problems:
         suites[problem.path][escaped(problem.path), problem.kind, problem.path].append(problem)
     top = ElementTree.Element("testsuites", {"name": NAME})
-    top.extend(_suite(root, suite, fails) for root, suite in sorted(suites.items()))
+    top.extend(_suite(root, suite, report.gate(root)) for root, suite in sorted(suites.items()))
     _count(top)
     ElementTree.indent(top)
     text = ElementTree.tostring(top, encoding="unicode")

@@ -15,7 +15,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from ..results import Located, Location, Place, Problem, Report
-from . import to_json
+from . import NAME, to_json
 from .sarif_rules import driver, kinds_of
 from .sarif_tables import (
     Alert,
@@ -54,6 +54,7 @@ def _run(report: Report, pages: Mapping[str, str]) -> Json:
         "artifacts": [*artifacts(report, tables), *members(report, tables)],
         "logicalLocations": logical_locations(tables),
         "results": [_result(alert, tables) for alert in alerts],
+        **_automation(report),
         "columnKind": "unicodeCodePoints",
         "defaultEncoding": "utf-8",
         "properties": {
@@ -63,6 +64,12 @@ def _run(report: Report, pages: Mapping[str, str]) -> Json:
             ]
         },
     }
+
+
+def _automation(report: Report) -> Json:
+    """Code scanning takes what stands before the last slash for the category: without one of their
+    own the parts of a run would replace each other."""
+    return {"automationDetails": {"id": f"{NAME}/{report.part}/"}} if report.part else {}
 
 
 def _alerts(findings: Iterable[Located]) -> list[Alert]:

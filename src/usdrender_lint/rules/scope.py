@@ -23,16 +23,31 @@ def _misnames(root: str, scope: str) -> bool:
 
 def _misnamed_root(scope: RenderScope, stray: Stray) -> str | None:
     """The prim above a stray that was probably meant as the render scope."""
-    home = scope.scopes[0].path if scope.scopes else "/Render"
     root = stray.root_site.path
     if root == stray.path:
         return None
-    if _misnames(root, home):
+    if any(_misnames(root, home) for home in scope.homes):
         return root
     second = "/".join(stray.path.split("/")[:3])
-    if second != stray.path and second.rpartition("/")[2] == home.strip("/"):
+    if second != stray.path and f"/{second.rpartition('/')[2]}" in scope.homes:
         return second
     return None
+
+
+def _homes(scope: RenderScope) -> str:
+    """`/Render`, or where the show has its render prims."""
+    *others, last = scope.homes
+    return f"{', '.join(others)} or {last}" if others else last
+
+
+def _where(scope: RenderScope) -> str:
+    above = scope.homes[0].rpartition("/")[0]
+    return f"below <{above}>" if above else "at the root"
+
+
+def _top(scope: RenderScope) -> str:
+    first = scope.homes[0].strip("/")
+    return f"<{scope.homes[0]}>" if "/" in first else f"a root prim named '{first}'"
 
 
 @rule(
@@ -62,9 +77,9 @@ def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Findi
         more = f", {nor} {paths(s.path for s in others)}" if others else ""
         yield Finding(
             first,
-            f"the {first.type_name} <{first.path}> does not stand below /Render{more}",
-            label="renderers look below /Render",
-            help=f"move {'them' if others else 'it'} below a root prim named 'Render'",
+            f"the {first.type_name} <{first.path}> does not stand below {_homes(scope)}{more}",
+            label=f"renderers look below {_homes(scope)}",
+            help=f"move {'them' if others else 'it'} below {_top(scope)}",
             explains=(first.root_site, *strays),
         )
 
@@ -86,9 +101,9 @@ def misnamed_render_scope(scope: RenderScope, context: Context) -> Iterator[Find
     for root, stray in roots.items():
         yield Finding(
             Site(root),
-            f"<{root}> holds render prims, but renderers look below /Render",
-            label="not /Render",
-            help="name it 'Render', let it stand at the root, and mend the paths that lead to it",
+            f"<{root}> holds render prims, but renderers look below {_homes(scope)}",
+            label=f"not {_homes(scope)}",
+            help=f"name it '{scope.homes[0].rpartition('/')[2]}', let it stand {_where(scope)}, and mend the paths that lead to it",
             related=((stray, f"is {a_or_an(stray.type_name)}"),),
         )
 
@@ -174,7 +189,9 @@ def dangling_over(scope: RenderScope, context: Context) -> Iterator[Finding]:
 @rule("render-scope-type", on=RenderScope, severity=Severity.NOTE, since="0.1")
 def render_scope_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`/Render` is not a Scope."""
-    for prim in scope.scopes[:1]:
+    for prim in scope.scopes:
+        if prim.path not in scope.homes:
+            continue
         if prim.state is not State.LIVE or prim.type_name == "Scope" or not prim.holds_render_prims:
             continue
         kind = a_or_an(prim.type_name) if prim.type_name else "untyped"
