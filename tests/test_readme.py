@@ -7,10 +7,13 @@ of `PASSAGES`, or a command line after `$`, or `source RULE`. `pytest --update` 
 from __future__ import annotations
 
 import inspect
+import json
 import re
 import shlex
+import tomllib
 from collections.abc import Callable
 from itertools import groupby
+from pathlib import Path
 
 import click
 import pytest
@@ -18,6 +21,9 @@ import pytest
 from conftest import ROOT
 from usdrender_lint.__main__ import main
 from usdrender_lint.cli import command
+from usdrender_lint.config.keys import FILE_OF_KEYS, KEYS
+from usdrender_lint.config.kinds import faults
+from usdrender_lint.config.schema import URL
 from usdrender_lint.registry import all_rules
 from usdrender_lint.renderers import names, renderer
 from usdrender_lint.rule import AnyRule
@@ -88,10 +94,26 @@ def source(rule_id: str) -> str:
     return f"```python\n{inspect.getsource(all_rules()[rule_id].check)}```\n"
 
 
+def configuration_mistakes() -> str:
+    told = (ROOT / "tests" / "configurations" / "readme" / "told.txt").read_text("utf-8")
+    return f"```text\n{told}```\n"
+
+
+def keys() -> str:
+    """A line for each key of a configuration."""
+    lines = ["| key | default | what it means | for example |", "|---|---|---|---|"]
+    for name, key in KEYS.items():
+        default = "" if key.default in (None, [], {}) else f"`{json.dumps(key.default)}`"
+        lines.append(f"| `{name}` | {default} | {cell(key.means)} | `{cell(key.example)}` |")
+    return "\n".join([*lines, ""])
+
+
 PASSAGES: dict[str, Callable[[], str]] = {
     "subjects": subjects,
     "catalogue": catalogue,
     "renderers": renderers,
+    "keys": keys,
+    "configuration mistakes": configuration_mistakes,
 }
 
 
@@ -111,7 +133,8 @@ def passage(
         main(args)
         said = capsys.readouterr()
         assert said.err == ""
-        return f"```{'json' if 'json' in args else 'text'}\n{said.out}```\n"
+        kind = "json" if "json" in args else "toml" if "--show-config" in args else "text"
+        return f"```{kind}\n{said.out}```\n"
 
     def write(name: str) -> str:
         kind, _, rest = name.partition(" ")
@@ -169,6 +192,52 @@ def test_command_lines_are_accepted(file: str, monkeypatch: pytest.MonkeyPatch) 
             pass  # --explain has answered
         except click.ClickException as error:
             pytest.fail(f"{line}: {error.format_message()}")
+
+
+def test_the_configuration_that_is_shown_is_accepted() -> None:
+    (text,) = re.findall(r"^```toml\n(#:schema .*?)^```", read("README.md"), re.S | re.M)
+    assert text.startswith(f"#:schema {URL}\n")
+    assert [*faults(FILE_OF_KEYS, tomllib.loads(text), ())] == []
+
+
+def commands_below(heading: str) -> list[list[str]]:
+    """The arguments of the command lines in the blocks below a heading."""
+    below = read("README.md").split(f"\n### {heading}\n")[1].split("\n### ")[0]
+    lines = re.findall(r"^usdrender-lint (.+)$", below, re.M)
+    assert lines
+    return [shlex.split(line, comments=True) for line in lines]
+
+
+@pytest.fixture
+def shots(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a scene that fails, for what is to be done with one's own."""
+    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "shots"
+    folder.mkdir()
+    (folder / "x.usda").write_text((ROOT / "fixtures" / "seed" / "passes.usda").read_text("utf-8"))
+    return folder
+
+
+def test_a_show_is_adopted_as_shown(shots: Path) -> None:
+    assert main(["shots"]) == 1
+    for args in commands_below("Adopting it on an existing show"):
+        assert main(args) == 0
+    assert main(["shots"]) == 1
+    text = read("README.md")
+    (line,) = set(re.findall(r"^(?:With `)?(baseline = \"[^\"]+\")", text, re.M))
+    (shots.parent / "usdrender-lint.toml").write_text(line)
+    assert main(["shots"]) == 0
+
+
+def test_a_farm_lints_as_shown(shots: Path) -> None:
+    (shots.parent / "stages.txt").write_text("shots/x.usda\n")
+    codes = []
+    for args in commands_below("On a render farm"):
+        at = args.index("--shard") + 1
+        of = args[at].partition("/")[2]
+        for number in range(1, int(of) + 1):
+            codes.append(main([*args[:at], f"{number}/{of}", *args[at + 1 :]]))
+    assert sorted(codes) == [0] * (len(codes) - 1) + [1]
 
 
 @pytest.mark.parametrize("file", FILES)
