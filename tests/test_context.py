@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import permutations
 from pathlib import Path
 
@@ -12,6 +12,7 @@ from pxr import Sdf
 
 from conftest import ROOT
 from usdrender_lint import lint as lint_module
+from usdrender_lint.__main__ import main
 from usdrender_lint.baseline import Baseline
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.results import Report
@@ -44,6 +45,9 @@ CAMERA = 'over "World"\n{\n    def Camera "cam"\n    {\n    }\n}\n'
 RENAMED = CAMERA.replace('"cam"', '"cam2"')
 LAYOUT = 'def Xform "World"\n{\n    def Sphere "ball"\n    {\n    }\n}\n'
 BAD_VAR = 'over "Render"\n{\n    over "Vars"\n    {\n        over "color"\n        {\n            uniform token dataType = "color9"\n        }\n    }\n}\n'
+
+
+Call = Callable[..., tuple[int, str, str]]
 
 
 def layer(*sublayers: str, text: str = "", default: bool = True) -> str:
@@ -495,3 +499,85 @@ class TestAlone:
         many = {f"a{n:03}.usda": part("") for n in range(100)}
         report = linted(tmp_path, SHOT | many, "render.usda")
         assert all("shot.usda" not in finding.help for finding in report.findings)
+
+
+class TestConfigured:
+    """By the command line, with a configuration above."""
+
+    @pytest.fixture
+    def call(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    ) -> Call:
+        monkeypatch.chdir(tmp_path)
+
+        def run(*args: str) -> tuple[int, str, str]:
+            code = main(["--output-format", "concise", *args])
+            return code, *capsys.readouterr()
+
+        return run
+
+    ROOTS = 'roots = ["shots/*/shot.usda"]\n'
+
+    @pytest.fixture
+    def show(self, tmp_path: Path) -> Path:
+        fifty(tmp_path)
+        (tmp_path / "usdrender-lint.toml").write_text(self.ROOTS)
+        return tmp_path
+
+    CAMERA = "shots/sh007/layers/camera.usda"
+
+    def test_a_hook_on_a_commit(self, show: Path, call: Call) -> None:
+        assert call(self.CAMERA) == (0, "No findings in 1 file, seen through 1 stage.\n", "")
+        write(show, {self.CAMERA: part(RENAMED)})
+        code, out, err = call(self.CAMERA)
+        assert (code, err) == (1, "")
+        assert out.splitlines() == [
+            "seq/render.usda:7:22: error[unresolved-target] camera </World/cam> does not exist "
+            "</Render/final.camera> (in shots/sh007/shot.usda)",
+            "1 finding (1 error) in 1 file, seen through 1 stage.",
+        ]
+
+    def test_roots_count_from_the_folder_of_the_configuration(
+        self, show: Path, call: Call, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        write(show, {self.CAMERA: part(RENAMED)})
+        monkeypatch.chdir(show / "shots" / "sh007" / "layers")
+        code, out, err = call("camera.usda")
+        assert (code, err) == (1, "")
+        assert "seen through 1 stage" in out
+
+    def test_what_roots_do_not_do_is_told_on_standard_error(self, show: Path, call: Call) -> None:
+        write(show, {"old.usda": part(""), "usdrender-lint.toml": 'roots = ["shot/*.usda"]\n'})
+        assert call("old.usda")[2] == "Note: no file matches the root 'shot/*.usda'\n"
+        write(show, {"usdrender-lint.toml": self.ROOTS})
+        note = "Note: no root uses old.usda, which is linted as a stage of its own\n"
+        assert call("old.usda") == (0, "No findings in 1 file.\n", note)
+        assert call("-q", "old.usda") == (0, "", "")
+
+    @pytest.mark.parametrize(("gate", "code"), [("error", 1), ("never", 0)])
+    def test_the_gate_of_the_configuration_counts(
+        self, show: Path, call: Call, gate: str, code: int
+    ) -> None:
+        write(show, {"usdrender-lint.toml": f'{self.ROOTS}fail-on = "{gate}"\n'})
+        write(show, {self.CAMERA: part(RENAMED)})
+        assert call(self.CAMERA)[0] == code
+
+    def test_its_baseline_hides_what_is_known_of_the_stage(self, show: Path, call: Call) -> None:
+        write(show, {"usdrender-lint.toml": f'{self.ROOTS}baseline = "known.json"\n'})
+        write(show, {self.CAMERA: part(RENAMED)})
+        assert call("--update-baseline", "shots")[0] == 0
+        seen = "No findings in 1 file, seen through 1 stage; 1 in the baseline.\n"
+        assert call(self.CAMERA) == (0, seen, "")
+        # It is hidden where it is known, and told where it is new.
+        other = self.CAMERA.replace("sh007", "sh008")
+        write(show, {other: part(RENAMED)})
+        assert call(self.CAMERA, other)[0] == 1
+
+    def test_a_layer_falls_to_the_shard_of_its_stage(self, show: Path, call: Call) -> None:
+        """Elsewhere it would be judged by itself."""
+        (show / "usdrender-lint.toml").unlink()
+        runs = [call("--shard", f"{n}/3", ".") for n in (1, 2, 3)]
+        assert [(code, err) for code, _, err in runs] == [(0, "")] * 3
+        counted = [int(out.split()[3]) for _, out, _ in runs]
+        assert min(counted) > 0
+        assert sum(counted) == len([*show.rglob("*.usda")])

@@ -117,6 +117,21 @@ def _matching(patterns: Sequence[str], cwd: Path, uses: Uses) -> tuple[dict[str,
     return {f: p for f, p in found.items() if f not in layers} | spelled, idle
 
 
+def stages_of(files: Sequence[Target]) -> dict[str, str]:
+    """For each file that another of them sublayers the first topmost one that does, as shown."""
+    from .uses import Uses  # most runs do without
+
+    uses, real = Uses((), ()), RealPaths()
+    by_real = {real[str(target.file)]: target for target in files}
+    layers = uses.between({file: target.file for file, target in by_real.items()})
+    found: dict[str, str] = {}
+    for target in files:
+        if real[str(target.file)] not in layers:
+            for layer in uses.of(str(target.file)).stack & layers:
+                found.setdefault(by_real[layer].shown, target.shown)
+    return found
+
+
 def seen_through(
     targets: Sequence[Target], outlines: Sequence[Outline], roots: frozenset[str]
 ) -> list[tuple[int, ...]]:

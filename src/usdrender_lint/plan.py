@@ -7,6 +7,7 @@ from pathlib import Path
 
 from .config import Configuration
 from .config.find import Configurations
+from .context import stages_of
 from .discover import Found, Shard, Shown, discover, root_of
 from .lint import Asked, Config
 from .patterns import Patterns
@@ -68,7 +69,9 @@ def seek(sought: Sought, configurations: Configurations) -> tuple[Found, Shown]:
         sought.paths, shown, configurations, sought.exclude, gitignored=sought.gitignored
     )
     if sought.shard:
-        ours = [file for file in found.files if file.shown in sought.shard]
+        # A layer is judged where its stage is.
+        stages = stages_of(found.files)
+        ours = [f for f in found.files if stages.get(f.shown, f.shown) in sought.shard]
         # A folder that is excluded as a whole says nothing of a shard that others have files for.
         excluded = [] if found.files else found.excluded
         found = Found(ours, found.problems, excluded)
