@@ -103,7 +103,7 @@ def cases(stages: Path) -> list[Case]:
 
 
 def _stage_case(name: str, path: Path) -> Case:
-    roots = sorted(path.glob("*.usda")) if path.is_dir() else [path]
+    roots = sorted(path.rglob("*.usda")) if path.is_dir() else [path]
     floor = (sys.executable, "-c", MASKED_OPEN, *map(str, roots))
     return Case(name, floor, (*TOOL, str(path)), frozenset({0, 1}))
 

@@ -2,7 +2,7 @@
 
     python tests/benchmarks/shots.py OUT [--scale FACTOR]
 
-Six cases in the folder OUT, and `stages.json`, which names their roots. At full
+Eight cases in the folder OUT, and `stages.json`, which names their roots. At full
 scale they take about 85 MB and half a minute; `--scale 0.01` makes small ones.
 `pxr` is only imported where a layer is built.
 """
@@ -198,6 +198,24 @@ def many(out: Path, stages: int) -> Path:
     return folder
 
 
+def in_layers(out: Path, shots: int) -> Path:
+    """Shots of ten layers each, with a configuration that names their roots."""
+    folder = out / "in_layers"
+    names = ("render", "camera", "layout", *(f"extra_{n}" for n in range(6)))
+    listed = ", ".join(f"@./layers/{name}.usda@" for name in names)
+    for n in range(shots):
+        layers = folder / f"sh{n:03}" / "layers"
+        layers.mkdir(parents=True, exist_ok=True)
+        shot = _HEADER.replace("\n)\n", f"\n    subLayers = [{listed}]\n)\n")
+        (layers.parent / "shot.usda").write_text(shot)
+        for name in names:
+            (layers / f"{name}.usda").write_text('#usda 1.0\n\nover "World"\n{\n}\n')
+        (layers / "render.usda").write_text("#usda 1.0\n" + render_scope(name=f"sh{n:03}"))
+        (layers / "camera.usda").write_text(f'#usda 1.0\n\ndef "World"\n{{\n{_CAMERA}}}\n')
+    (folder / "usdrender-lint.toml").write_text('roots = ["*/shot.usda"]\n')
+    return folder
+
+
 def generate(out: Path, scale: float = 1.0) -> dict[str, Path]:
     """Every case, scaled; the numbers in the names are those of full scale."""
     cases: dict[str, Callable[[], Path]] = {
@@ -207,6 +225,10 @@ def generate(out: Path, scale: float = 1.0) -> dict[str, Path]:
         "flat, 1,000,000 prims": lambda: flat(out, _scaled(1_000_000, scale)),
         "text, 57 MB": lambda: text(out, 57 * scale),
         "folder of 1,000": lambda: many(out, _scaled(1_000, scale)),
+        "50 shots in layers": lambda: in_layers(out, _scaled(50, scale)),
+        "one layer of 50 shots": lambda: (
+            in_layers(out, _scaled(50, scale)) / "sh000/layers/camera.usda"
+        ),
     }
     out.mkdir(parents=True, exist_ok=True)
     made = {name: build() for name, build in cases.items()}
