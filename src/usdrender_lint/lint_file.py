@@ -25,7 +25,7 @@ from .read.variants import VariantSet, selecting, variant_sets
 from .records import dataclass
 from .renderers import ANY, choose, renderer
 from .results import Located, Problem, RendererChoice
-from .rule import AnyRule, Context, Renderer, Severity
+from .rule import Context, Renderer, Severity
 from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import (
@@ -92,6 +92,10 @@ class _File:
         self._texts = Texts()
         self._ignores = Ignores(self._texts, shown)
         self._ran: set[str] = set()
+        selection = config.selection
+        self._judges_suppressions = any(
+            is_about_suppressions(r) and r.id in selection.told for r in selection.run
+        )
         self._whole = True
         """Whether no part of the stage was missing in any of its openings."""
 
@@ -239,25 +243,18 @@ class _File:
                 left_out = self._config.leaves_out(one.rule.id, located.location.file)
                 if id(one) in kept and not left_out:
                     found.append(judged)
-        self._ran.update(r.id for r in rules if r.id in selection.told and self._speaks(r, chosen))
+        off = {rule for rule, severity in chosen.severities.items() if severity is None}
+        silent = off.difference(self._config.severities)
+        self._ran.update(selection.told.intersection(r.id for r in rules) - silent)
         return tuple(found), crashes
 
     def _severity(self, told: Told, chosen: Renderer) -> Severity | None:
         return severity_of(told.rule, told.finding, chosen, self._config.severities)
 
-    def _speaks(self, rule: AnyRule, chosen: Renderer) -> bool:
-        severity = chosen.severities.get(rule.id, rule.severity)
-        return severity is not None or rule.id in self._config.severities
-
     @property
     def _tells_idle(self) -> bool:
         """Whether its own suppressions are asked about: those of the files that were given."""
         return self._judges_suppressions and not self._about
-
-    @property
-    def _judges_suppressions(self) -> bool:
-        selection = self._config.selection
-        return any(is_about_suppressions(r) and r.id in selection.told for r in selection.run)
 
     def _problems(self, linted: _Stage) -> list[Problem]:
         unreadable = [self._unreadable(u) for u in linted.opened.unreadable]

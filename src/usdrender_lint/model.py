@@ -9,7 +9,6 @@ are tuples. They can be compared, sorted, pickled, and outlive their stage.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields
 from enum import StrEnum
 from typing import Generic, Protocol, TypeVar
 
@@ -307,8 +306,8 @@ class RenderPrim:
 
     def attrs(self) -> Iterator[Attr[object]]:
         """Every schema attribute that the model holds, authored or not."""
-        for one in fields(self):
-            value = getattr(self, one.name)
+        for name in self.__match_args__:
+            value = getattr(self, name)
             if isinstance(value, Attr):
                 yield value
 

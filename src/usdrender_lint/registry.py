@@ -64,10 +64,8 @@ class Selection:
     told: frozenset[str]
     run: tuple[AnyRule, ...]
     skipped: tuple[Skipped, ...] = ()
-
-    @property
-    def needs_scene(self) -> bool:
-        return any(r.needs_scene for r in self.run)
+    needs_scene: bool = False
+    """One of those that run needs the whole stage."""
 
 
 def select(
@@ -98,4 +96,5 @@ def select(
         frozenset(told),
         tuple(rules[i] for i in sorted(running)),
         tuple(Skipped(i, reason) for i in sorted(refused - left_out)),
+        not whole.isdisjoint(running),
     )

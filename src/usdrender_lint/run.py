@@ -53,7 +53,8 @@ def run(
             of_type[rule.on] = [s for s in everything if isinstance(s, rule.on)]
         for subject in of_type[rule.on]:
             try:
-                told.extend(Told(rule, finding) for finding in rule.check(subject, context))
+                for finding in rule.check(subject, context):
+                    told.append(Told(rule, finding))
             except Exception as error:  # noqa: BLE001 a rule's bug must not cost the other rules' findings
                 name = subject.path if not isinstance(subject, RenderScope) else subject.root
                 crashes.append(Crash(rule, name, f"{type(error).__name__}: {error}"))

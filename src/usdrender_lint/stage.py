@@ -13,7 +13,7 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
-from .model import Site
+from .model import RENDER_TYPES, Site
 from .records import dataclass
 
 PROBE = "__probe__"
@@ -111,6 +111,9 @@ class Opened:
     scopes: tuple[str, ...]
     unreadable: list[Unreadable] = field(default_factory=list)
     unparsed: list[ParseProblem] = field(default_factory=list)
+    render_prims: list[Usd.Prim] | None = None
+    """See the functions of these names. None: not yet asked for, of what is populated by now."""
+    in_scopes: list[Usd.Prim] | None = None
 
 
 class DamagedError(Exception):
@@ -329,6 +332,7 @@ def widen(opened: Opened, wanted: Iterable[str]) -> bool:
             probes.append(probe)
     if probes:
         # Adding them one by one takes quadratic time.
+        opened.render_prims = opened.in_scopes = None
         opened.stage.SetPopulationMask(mask.GetUnion(Usd.StagePopulationMask(probes)))
     return bool(probes)
 
@@ -398,10 +402,20 @@ def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Pat
     return found
 
 
-def render_prims(opened: Opened) -> Iterator[Usd.Prim]:
+def render_prims(opened: Opened) -> list[Usd.Prim]:
     """Every prim of a render type that is populated, in the scopes or elsewhere, whatever its state."""
-    for prim in opened.stage.GetPseudoRoot().GetAllChildren():
-        yield from (p for p in all_below(prim) if is_render_prim(p))
+    if opened.render_prims is None:
+        tops = opened.stage.GetPseudoRoot().GetAllChildren()
+        opened.render_prims = [p for top in tops for p in all_below(top) if is_render_prim(p)]
+    return opened.render_prims
+
+
+def in_scopes(opened: Opened) -> list[Usd.Prim]:
+    """The scopes and every prim below them, whatever its state."""
+    if opened.in_scopes is None:
+        tops = (opened.stage.GetPrimAtPath(scope) for scope in opened.scopes)
+        opened.in_scopes = [p for top in tops if top for p in all_below(top)]
+    return opened.in_scopes
 
 
 def all_below(prim: Usd.Prim) -> Iterator[Usd.Prim]:
@@ -411,13 +425,25 @@ def all_below(prim: Usd.Prim) -> Iterator[Usd.Prim]:
 
 
 def is_render_prim(prim: Usd.Prim) -> bool:
-    # By name: importing the UsdRender module only for IsA costs more than the answer.
-    return bool(prim.GetTypeName()) and (
-        prim.IsA("RenderSettings")
-        or prim.IsA("RenderProduct")
-        or prim.IsA("RenderVar")
-        or prim.IsA("RenderPass")
-    )
+    return not _RENDERED.isdisjoint(kinds_of(prim))
+
+
+def kinds_of(prim: Usd.Prim) -> frozenset[str]:
+    """Which of the render types and `Camera` the prim is or derives from."""
+    name = prim.GetTypeName()
+    if name not in _kinds:
+        # By name: importing the UsdRender module only for IsA costs more than the answer.
+        kinds = frozenset(t for t in (*RENDER_TYPES, "Camera") if prim.IsA(t)) if name else _NONE
+        if name and not Usd.SchemaRegistry.GetTypeFromSchemaTypeName(name):
+            return kinds  # what stands for a type that is not installed, a stage says for itself
+        _kinds[name] = kinds
+    return _kinds[name]
+
+
+_NONE: frozenset[str] = frozenset()
+_RENDERED = frozenset(RENDER_TYPES)
+_kinds: dict[str, frozenset[str]] = {}
+"""Of prims by the name of their type."""
 
 
 def _led_to(prim: Usd.Prim) -> Iterator[Sdf.Path]:

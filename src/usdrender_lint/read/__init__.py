@@ -27,7 +27,14 @@ from ..model import (
     Var,
     VariantChoice,
 )
-from ..stage import Opened, all_below, is_render_prim, render_prims, widen_to_targets
+from ..stage import (
+    Opened,
+    in_scopes,
+    is_render_prim,
+    kinds_of,
+    render_prims,
+    widen_to_targets,
+)
 from .arcs import Failures
 from .cameras import read_cameras
 from .collections import read_collections
@@ -41,6 +48,7 @@ from .strays import stray_paths
 from .targets import EXPECTED, Targets, state_of, type_is_known
 from .text import Texts
 from .values import (
+    Asked,
     plain_asset,
     plain_floats,
     plain_ints,
@@ -84,11 +92,14 @@ class _Reader:
 
     def scope(self, strays: list[str]) -> RenderScope:
         prims = {str(p.GetPath()): p for p in render_prims(self._opened)}
-        self._vars = {k: self._var(p) for k, p in prims.items() if p.IsA("RenderVar")}
-        self._products = {k: self._product(p) for k, p in prims.items() if p.IsA("RenderProduct")}
-        settings = tuple(self._settings(p) for p in prims.values() if p.IsA("RenderSettings"))
+        asked = [(Asked(p), kinds_of(p)) for p in prims.values()]
+        self._vars = {p.path: self._var(p) for p, kinds in asked if "RenderVar" in kinds}
+        self._products = {
+            p.path: self._product(p) for p, kinds in asked if "RenderProduct" in kinds
+        }
+        settings = tuple(self._settings(p) for p, kinds in asked if "RenderSettings" in kinds)
         needed = _needed(settings)
-        passes = tuple(self._pass(p, needed) for p in prims.values() if p.IsA("RenderPass"))
+        passes = tuple(self._pass(p, needed) for p, kinds in asked if "RenderPass" in kinds)
         everything: list[RenderPrim] = [
             *settings,
             *self._products.values(),
@@ -124,18 +135,16 @@ class _Reader:
     def _is_inside(self, path: str) -> bool:
         return any(path.startswith(scope + "/") for scope in self._opened.scopes)
 
-    def _common(self, prim: Usd.Prim, names: tuple[str, ...]) -> dict[str, Any]:
-        path = str(prim.GetPath())
+    def _common(self, asked: Asked, names: tuple[str, ...]) -> dict[str, Any]:
+        prim, path = asked.prim, asked.path
         return {
             "path": path,
             "type_name": str(prim.GetTypeName()),
             "state": state_of(prim),
             "site": Site(path),
-            "properties": read_properties(prim),
-            "built_in": tuple(
-                sorted(n for n in prim.GetPrimDefinition().GetPropertyNames() if ":" not in n)
-            ),
-            "extras": read_extras(prim),
+            "properties": read_properties(asked),
+            "built_in": asked.schema.built_in,
+            "extras": read_extras(asked),
             "rels": tuple(self._targets.rel(prim, name) for name in names),
             "other_types": tuple(_other_types(prim)),
             "collections_applied": applied_collections(prim),
@@ -143,7 +152,7 @@ class _Reader:
             "prototype": str(prim.GetPrimInPrototype().GetPath()) if prim.IsInstanceProxy() else "",
         }
 
-    def _base(self, prim: Usd.Prim) -> dict[str, Any]:
+    def _base(self, prim: Asked) -> dict[str, Any]:
         return {
             "resolution": read_attr(prim, "resolution", plain_ints, (0, 0)),
             "pixel_aspect_ratio": read_attr(prim, "pixelAspectRatio", float, 0.0),
@@ -156,7 +165,7 @@ class _Reader:
             "disable_depth_of_field": read_attr(prim, "disableDepthOfField", bool, False),
         }
 
-    def _var(self, prim: Usd.Prim) -> Var:
+    def _var(self, prim: Asked) -> Var:
         data_type = read_attr(prim, "dataType", plain_text, "")
         return Var(
             **self._common(prim, ()),
@@ -166,7 +175,7 @@ class _Reader:
             source_type=read_attr(prim, "sourceType", plain_text, ""),
         )
 
-    def _product(self, prim: Usd.Prim) -> Product:
+    def _product(self, prim: Asked) -> Product:
         common = self._common(prim, ("camera", "orderedVars"))
         camera, ordered_vars = common["rels"]
         return Product(
@@ -178,12 +187,12 @@ class _Reader:
             ordered_vars=ordered_vars,
         )
 
-    def _settings(self, prim: Usd.Prim) -> Settings:
+    def _settings(self, prim: Asked) -> Settings:
         common = self._common(prim, ("camera", "products"))
         camera, products = common["rels"]
         base = self._base(prim)
         rendering_color_space = read_attr(prim, "renderingColorSpace", plain_text, "")
-        color_space, color_space_names = read_color_space(prim, rendering_color_space)
+        color_space, color_space_names = read_color_space(prim.prim, rendering_color_space)
         settings = Settings(
             **common,
             **base,
@@ -218,14 +227,15 @@ class _Reader:
                     tuple(v for v in ordered if v is not None),
                 )
 
-    def _pass(self, prim: Usd.Prim, needed: frozenset[str]) -> Pass:
-        common = self._common(prim, ("renderSource", "inputPasses"))
+    def _pass(self, asked: Asked, needed: frozenset[str]) -> Pass:
+        prim = asked.prim
+        common = self._common(asked, ("renderSource", "inputPasses"))
         render_source, input_passes = common["rels"]
         return Pass(
             **common,
-            pass_type=read_attr(prim, "passType", plain_text, ""),
-            command=read_attr(prim, "command", plain_tokens, ()),
-            file_name=read_attr(prim, "fileName", plain_asset, ""),
+            pass_type=read_attr(asked, "passType", plain_text, ""),
+            command=read_attr(asked, "command", plain_tokens, ()),
+            file_name=read_attr(asked, "fileName", plain_asset, ""),
             render_source=render_source,
             input_passes=input_passes,
             collections=read_collections(prim, self._targets, self._texts, needed),
@@ -236,28 +246,23 @@ class _Reader:
     def _scope_prims(self) -> Iterator[ScopePrim]:
         """The scopes, and the groups below them that are no render prims themselves."""
         definitions = Definitions(RENDER_TYPES)
-        for scope in self._opened.scopes:
-            top = self._stage.GetPrimAtPath(scope)
-            for prim in all_below(top) if top else ():
-                if is_render_prim(prim):
-                    continue
-                path = str(prim.GetPath())
-                yield ScopePrim(
-                    path,
-                    str(prim.GetTypeName()),
-                    state_of(prim),
-                    Site(path),
-                    _state_site(prim),
-                    definitions.hold(prim),
-                    self._failures.hiding(path),
-                )
+        for prim in in_scopes(self._opened):
+            if is_render_prim(prim):
+                continue
+            path = str(prim.GetPath())
+            yield ScopePrim(
+                path,
+                str(prim.GetTypeName()),
+                state_of(prim),
+                Site(path),
+                _state_site(prim),
+                definitions.hold(prim),
+                self._failures.hiding(path),
+            )
 
     def _others(self) -> Iterator[OtherPrim]:
-        for scope in self._opened.scopes:
-            top = self._stage.GetPrimAtPath(scope)
-            for prim in all_below(top) if top else ():
-                if is_render_prim(prim) or str(prim.GetPath()) == scope:
-                    continue
+        for prim in in_scopes(self._opened):
+            if not is_render_prim(prim) and str(prim.GetPath()) not in self._opened.scopes:
                 yield self._other(prim)
 
     def _misspelt(self, strays: list[str]) -> Iterator[OtherPrim]:
@@ -274,19 +279,14 @@ class _Reader:
             state_of(prim),
             type_is_known(prim),
             Site(path),
-            read_properties(prim),
+            read_properties(Asked(prim)),
             self._failures.hiding(path) is not None,
             _content(prim),
         )
 
-    def _in_scopes(self) -> Iterator[Usd.Prim]:
-        for scope in self._opened.scopes:
-            if top := self._stage.GetPrimAtPath(scope):
-                yield from all_below(top)
-
     def _topmost(self, wanted: Callable[[Usd.Prim], bool]) -> Iterator[Site]:
         last = Sdf.Path.emptyPath
-        for prim in self._in_scopes():
+        for prim in in_scopes(self._opened):
             path = prim.GetPath()
             # Depth first: what is below the last one comes before anything else.
             if wanted(prim) and (last.isEmpty or not path.HasPrefix(last)):
@@ -294,7 +294,7 @@ class _Reader:
                 yield Site(str(path))
 
     def _missing_variants(self) -> Iterator[VariantChoice]:
-        for prim in self._in_scopes():
+        for prim in in_scopes(self._opened):
             path = str(prim.GetPath())
             if prim.IsInstanceProxy() or self._failures.hiding(path):
                 continue

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from pxr import Sdf, Usd, UsdGeom
+from pxr import Sdf, Usd
 
 from ..likeness import likeness
 from ..model import (
@@ -22,7 +22,7 @@ from ..model import (
     View,
 )
 from .targets import state_of
-from .values import plain_floats, plain_text, read_attr, same_storage
+from .values import Asked, plain_floats, plain_text, read_attr, same_storage
 
 T = TypeVar("T")
 
@@ -73,7 +73,7 @@ def _meant(stage: Usd.Stage, target: Target) -> str | None:
     near = found and likeness(name, found[0].name) >= _SIMILAR[len(found) > 1]
     path = target.meant or (found[0].path if near else None)
     prim = stage.GetPrimAtPath(path) if path else None
-    if not prim or not prim.IsA(UsdGeom.Camera) or prim.IsInstanceProxy() or prim.IsInstance():
+    if not prim or not prim.IsA("Camera") or prim.IsInstanceProxy() or prim.IsInstance():
         return None
     return path if state_of(prim) is State.LIVE else None
 
@@ -92,9 +92,10 @@ def _views(settings: Iterable[Settings], products: Iterable[Product]) -> Iterato
 
 
 def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Camera:
-    path = str(prim.GetPath())
-    attrs = {field: _attr(prim, name, plain) for field, (name, plain) in _ATTRIBUTES.items()}
-    varying = [attr for attr in attrs.values() if _varies(prim, attr)]
+    asked = Asked(prim)
+    path = asked.path
+    attrs = {field: _attr(asked, name, plain) for field, (name, plain) in _ATTRIBUTES.items()}
+    varying = [attr for attr in attrs.values() if _varies(asked, attr)]
     times = _times(prim, varying, frames)
     for field, (_, plain) in _ATTRIBUTES.items():
         if attrs[field] in varying:
@@ -109,18 +110,20 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
     )
 
 
-def _attr(prim: Usd.Prim, name: str, plain: Callable[[Any], T]) -> Attr[T]:
+def _attr(asked: Asked, name: str, plain: Callable[[Any], T]) -> Attr[T]:
     """A blocked value is the fallback: cameras are read at the frame, where a block leaves it be."""
-    fallback = prim.GetPrimDefinition().GetSchemaAttributeSpec(name).default
-    return read_attr(prim, name, plain, plain(fallback))
+    schema = asked.schema.attribute(name)
+    assert schema is not None, "cameras have all of these"  # noqa: S101
+    return read_attr(asked, name, plain, plain(schema.default))
 
 
-def _varies(prim: Usd.Prim, attr: Attr[Any]) -> bool:
+def _varies(asked: Asked, attr: Attr[Any]) -> bool:
     """Samples of a wrong type are not read."""
     if attr.varying is None or attr.state is ValueState.MISTYPED:
         return False
-    schema = prim.GetPrimDefinition().GetSchemaAttributeSpec(attr.name)
-    return same_storage(Sdf.ValueTypeNames.Find(attr.authored_type), schema.typeName)
+    schema = asked.schema.attribute(attr.name)
+    written = Sdf.ValueTypeNames.Find(attr.authored_type)
+    return schema is not None and same_storage(written, schema.typeName)
 
 
 def _times(prim: Usd.Prim, varying: list[Attr[Any]], frames: FrameRange) -> list[float]:

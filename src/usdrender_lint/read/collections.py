@@ -26,7 +26,7 @@ from .patterns import STRETCH, Node, Parsed, tree
 from .predicates import means_groups, read_predicates
 from .targets import Targets, arc_field
 from .text import Texts
-from .values import plain_expression, plain_text, read_attr
+from .values import Asked, plain_expression, plain_text, read_attr
 
 _MANY = 64
 _QUOTED = re.compile(r'"(\w+)"')
@@ -87,19 +87,20 @@ class _Reader:
 
     def read(self) -> Collection:
         prim, prefix = self.prim, f"collection:{self.name}"
-        mode = read_attr(prim, f"{prefix}:mode", plain_text, "")
+        asked = Asked(prim)
+        mode = read_attr(asked, f"{prefix}:mode", plain_text, "")
         includes, excludes = self._rel(f"{prefix}:includes"), self._rel(f"{prefix}:excludes")
         api = Usd.CollectionAPI(prim, self.name)
         counts, problem = _evaluate(api, mode.value, includes, excludes)
-        expression = read_attr(prim, f"{prefix}:membershipExpression", plain_expression, "")
+        expression = read_attr(asked, f"{prefix}:membershipExpression", plain_expression, "")
         site, specs = replace(expression.site, field="default"), self._specs()
         patterns = tuple(self._patterns(site, specs))
         return Collection(
             self.name,
             Site(f"{prim.GetPath()}.{prefix}"),
             mode,
-            read_attr(prim, f"{prefix}:expansionRule", plain_text, ""),
-            read_attr(prim, f"{prefix}:includeRoot", bool, False),
+            read_attr(asked, f"{prefix}:expansionRule", plain_text, ""),
+            read_attr(asked, f"{prefix}:includeRoot", bool, False),
             includes,
             excludes,
             expression,

@@ -9,7 +9,7 @@ from contextlib import suppress
 from pxr import Tf, Usd
 
 from ..model import Evidence
-from ..stage import Opened, all_below
+from ..stage import Opened, in_scopes
 
 
 def read_evidence(opened: Opened, render_prims: Iterable[Usd.Prim]) -> Evidence:
@@ -29,10 +29,7 @@ def read_evidence(opened: Opened, render_prims: Iterable[Usd.Prim]) -> Evidence:
         product_type = prim.GetAttribute("productType")
         if product_type and product_type.IsAuthored():
             product_types[str(product_type.Get() or "")] += 1
-    names: set[str] = set()
-    for scope in opened.scopes:
-        if prim := opened.stage.GetPrimAtPath(scope):
-            names.update(p.GetName() for p in all_below(prim))
+    names = {prim.GetName() for prim in in_scopes(opened)}
     return Evidence(
         tuple(sorted(namespaces.items())),
         tuple(sorted(schemas.items())),

@@ -7,8 +7,8 @@ import re
 from pxr import Sdf, Tf, Usd
 
 from ..model import Rel, Site, State, Target
-from ..stage import open_layer
-from .targets import kinds_of, state_of
+from ..stage import kinds_of, open_layer
+from .targets import state_of
 
 _USD = frozenset({".usd", ".usda", ".usdc", ".usdz"})
 _LATER = re.compile(r"^[A-Za-z][\w+.-]+:|[$<{%#`*]")

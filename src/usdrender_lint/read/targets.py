@@ -9,10 +9,10 @@ from collections.abc import Iterable, Iterator
 from pxr import Pcp, Sdf, Tf, Usd
 
 from ..likeness import most_alike
-from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
+from ..model import Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
 from ..sites import listed, node_of, out_of_namespace_of
-from ..stage import Opened, relationship_at, render_prims, targets_of, widen
+from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
 from .arcs import Failures
 from .parts import Part
 from .text import Texts
@@ -57,10 +57,6 @@ def state_of(prim: Usd.Prim) -> State:
     if not prim.IsDefined():
         return State.OVER
     return State.LIVE
-
-
-def kinds_of(prim: Usd.Prim) -> frozenset[str]:
-    return frozenset(t for t in (*RENDER_TYPES, "Camera") if prim.IsA(t))
 
 
 def type_is_known(prim: Usd.Prim) -> bool:

@@ -41,8 +41,46 @@ def plain_expression(value: Any) -> str:
     return str(value.GetText())
 
 
+class Schema:
+    """What the schemas of a prim say about its properties. Asked of USD once a combination of them."""
+
+    def __init__(self, definition: Usd.PrimDefinition) -> None:
+        self._definition = definition
+        self.names = frozenset(map(str, definition.GetPropertyNames()))
+        self.built_in = tuple(sorted(name for name in self.names if ":" not in name))
+        """Those without a namespace."""
+        self._attributes: dict[str, Sdf.AttributeSpec | None] = {}
+
+    def attribute(self, name: str) -> Sdf.AttributeSpec | None:
+        if name not in self._attributes:
+            self._attributes[name] = self._definition.GetSchemaAttributeSpec(name)
+        return self._attributes[name]
+
+    def is_relationship(self, name: str) -> bool:
+        return name in self.names and self.attribute(name) is None
+
+
+_schemas: dict[tuple[str, ...], Schema] = {}
+"""By the type of a prim and all that is applied to it."""
+
+
+class Asked:
+    """A prim, and what every question about its properties begins with."""
+
+    def __init__(self, prim: Usd.Prim) -> None:
+        self.prim = prim
+        self.path = str(prim.GetPath())
+        self.authored = dict.fromkeys(prim.GetAuthoredPropertyNames())
+        """Names, in the order of USD."""
+        info = prim.GetPrimTypeInfo()
+        schemas = (info.GetSchemaTypeName(), *info.GetAppliedAPISchemas())
+        if schemas not in _schemas:
+            _schemas[schemas] = Schema(prim.GetPrimDefinition())
+        self.schema = _schemas[schemas]
+
+
 def read_attr(
-    prim: Usd.Prim,
+    asked: Asked,
     name: str,
     plain: Callable[[Any], T],
     empty: T,
@@ -50,13 +88,15 @@ def read_attr(
     with_samples: bool = False,
 ) -> Attr[T]:
     """`empty` is what a reader holds when the value is blocked: a block kills the fallback too."""
-    site = Site(f"{prim.GetPath()}.{name}", "default")
-    schema = prim.GetPrimDefinition().GetSchemaAttributeSpec(name)
+    site = Site(f"{asked.path}.{name}", "default")
+    schema = asked.schema.attribute(name)
     fallback = empty
-    if schema is not None and schema.default is not None:
-        fallback = plain(schema.default)
-    attribute = prim.GetAttribute(name)
-    if not attribute or not attribute.IsAuthored():
+    if schema is not None and (default := schema.default) is not None:
+        fallback = plain(default)
+    if name not in asked.authored:
+        return Attr(name, fallback, ValueState.FALLBACK, site)
+    attribute = asked.prim.GetAttribute(name)
+    if not attribute:
         return Attr(name, fallback, ValueState.FALLBACK, site)
     stack = [
         spec
@@ -106,21 +146,20 @@ def _varying(stack: list[Sdf.AttributeSpec]) -> str | None:
     return next((f for f in _VARYING if strongest is not None and strongest.HasInfo(f)), None)
 
 
-def read_extras(prim: Usd.Prim) -> tuple[Attr[str], ...]:
+def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
     """What renderers and studios author beside the schema; at the first sample where there is no
     default, for it is never meant to vary."""
-    known = set(prim.GetPrimDefinition().GetPropertyNames())
     found = []
-    for attribute in prim.GetAuthoredAttributes():
-        name = attribute.GetName()
-        if name in known:
+    for name in asked.authored:
+        attribute = None if name in asked.schema.names else asked.prim.GetAttribute(name)
+        if not attribute:
             continue
         value = attribute.Get()
         if value is None:
             value = attribute.Get(Usd.TimeCode.EarliestTime())
         text = _as_text(value, bool(attribute.GetTypeName().isArray))
         state = ValueState.FALLBACK if value is None else ValueState.AUTHORED
-        site = Site(f"{prim.GetPath()}.{name}", "default")
+        site = Site(f"{asked.path}.{name}", "default")
         found.append(Attr(name, text, state, site, (), str(attribute.GetTypeName())))
     return tuple(found)
 
@@ -160,25 +199,19 @@ def owners_of(name: str) -> tuple[str, ...]:
     return tuple(t for t in RENDER_TYPES if name in built_in_of(t))
 
 
-def read_properties(prim: Usd.Prim) -> tuple[Property, ...]:
+def read_properties(asked: Asked) -> tuple[Property, ...]:
     """Every property that some layer authors, by name."""
-    definition = prim.GetPrimDefinition()
-    known = set(definition.GetPropertyNames())
-    return tuple(
-        _read_property(prim, name, definition, name in known)
-        for name in sorted(prim.GetAuthoredPropertyNames())
-    )
+    return tuple(_read_property(asked, name) for name in sorted(asked.authored))
 
 
-def _read_property(
-    prim: Usd.Prim, name: str, definition: Usd.PrimDefinition, is_schema: bool
-) -> Property:
-    path = f"{prim.GetPath()}.{name}"
+def _read_property(asked: Asked, name: str) -> Property:
+    path, schema = f"{asked.path}.{name}", asked.schema
+    is_schema = name in schema.names
     if not is_schema and ":" in name:
         # Nobody judges a namespaced property but by its name: spare its property stack.
         return Property(name, Site(path), is_relationship=False)
-    stack = prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
-    wanted_rel = is_schema and definition.GetSchemaRelationshipSpec(name) is not None
+    stack = asked.prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
+    wanted_rel = schema.is_relationship(name)
     spec = stack[0]  # decides whether USD takes it for a relationship
     if is_schema and not isinstance(spec, Sdf.RelationshipSpec):
         valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))
@@ -186,7 +219,7 @@ def _read_property(
     is_rel = isinstance(spec, Sdf.RelationshipSpec)
     if is_rel:  # a stronger layer may declare it, and a weaker one name the targets
         spec = next((s for s in stack if s.HasInfo("targetPaths")), spec)
-    schema_attr = definition.GetSchemaAttributeSpec(name) if is_schema and not wanted_rel else None
+    schema_attr = schema.attribute(name) if is_schema else None
     allowed = _allowed(schema_attr)
     refused = _refused(spec, allowed) if allowed and not is_rel else ()
     return Property(
