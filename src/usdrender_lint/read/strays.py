@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import mmap
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from pxr import Sdf, Usd
 
-from ..crate import mentions
 from ..stage import DamagedError
+from .crate_types import crate_types
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
 _TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")
@@ -19,13 +19,6 @@ _WORD = re.compile(  # with a literal beginning the search is eight times as fas
     rb"ender(?:(?<=\bRender)(?:Settings|Product|Var|Pass)\b"
     rb"|(?:(?<=\b[Rr]ender)|(?<=\bUsd[Rr]ender))" + _KIND.encode() + rb'(?=\s+"))'
 )
-_TOKENS = [
-    (usd + render + kind + end).encode()
-    for usd in ("", "Usd")
-    for render in ("Render", "render")
-    for kind in ("Setting", "setting", "Product", "product", "Var", "var", "Pass", "pass")
-    for end in ("", "s", "es")
-]
 
 
 def stray_paths(stage: Usd.Stage, scopes: tuple[str, ...]) -> list[str]:
@@ -33,25 +26,34 @@ def stray_paths(stage: Usd.Stage, scopes: tuple[str, ...]) -> list[str]:
     layer stack, sorted."""
     found: set[str] = set()
     for layer in stage.GetLayerStack(includeSessionLayers=False):
-        if _may_have_strays(layer, scopes):
-            found.update(_outside(layer, scopes))
+        found.update(_in_layer(layer, scopes))
     return sorted(found)
 
 
-def _may_have_strays(layer: Sdf.Layer, scopes: tuple[str, ...]) -> bool:
+def _in_layer(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
     """A walk of all specs from Python costs 7 us each: most layers can be spared it."""
     file = layer.realPath
     if not file or not Path(file).is_file():
-        return True
+        return _outside(layer, scopes)
     with Path(file).open("rb") as stream:
         head = stream.read(8)
     if head.startswith(b"PXR-USDC"):
-        return mentions(file, _TOKENS) is not False
-    if head.startswith(b"PK"):
-        return True
+        return _in_crate(file, layer, scopes)
     # Every typed spec has its type's name in the text once. Where the scopes account for all of
     # the names, none is left for a stray; a name in a comment or string costs a walk, no more.
-    return _named_in_text(file) > _inside(layer, scopes)
+    if not head.startswith(b"PK") and _named_in_text(file) <= _inside(layer, scopes):
+        return ()
+    return _outside(layer, scopes)
+
+
+def _in_crate(file: str, layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
+    typed = crate_types(file, re.compile(_TYPE.pattern.encode()))
+    if typed is not None and typed.count <= _inside(layer, scopes):
+        return ()
+    paths = typed.paths() if typed is not None else None
+    if paths is None:
+        return _outside(layer, scopes)
+    return [path for path in paths if not any(path.startswith(scope + "/") for scope in scopes)]
 
 
 def _named_in_text(file: str) -> int:
