@@ -1,13 +1,15 @@
 """What does a run cost, beside the least that USD itself needs to open the same stage?
 
     python tests/benchmarks/shots.py STAGES
-    python tests/benchmarks/bench.py STAGES [--runs N] [--only TEXT]
+    python tests/benchmarks/bench.py STAGES [--runs N] [--only TEXT] [--update-readme]
 
 Whole processes are measured, from start to exit, with what their own children
 used: wall time, user + system time, peak memory. The floor is a Python that only
 imports `pxr.Usd` and opens the stage masked to /Render (for `--help` and its
 like: a Python that does nothing). Floor and tool take turns within one run, so
-that a change in the machine's mood meets both; the medians are shown.
+that a change in the machine's mood meets both; the medians are shown. The table in
+the README shows processor time, which other work on the machine changes least; nobody
+writes it by hand.
 
 This process stays small on purpose, and never imports `pxr`: a child's peak
 memory cannot be read lower than that of the parent it was started from.
@@ -19,12 +21,14 @@ import argparse
 import json
 import os
 import platform
+import re
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from statistics import median
 
@@ -38,8 +42,26 @@ for path in sys.argv[1:]:
     Usd.Stage.OpenMasked(path, Usd.StagePopulationMask(["/Render"]))
 """
 
+# Python keeps what it compiled for the next run, as it does of an installed package.
+ENVIRONMENT = {k: v for k, v in os.environ.items() if k != "PYTHONDONTWRITEBYTECODE"}
 TOOL = (sys.executable, "-m", "usdrender_lint")
-INFORMATION = ("--help", "--version", "--list-rules")
+WHOLE_OPEN = """
+import sys
+from pxr import Usd
+for prim in Usd.Stage.Open(sys.argv[1]).Traverse():
+    pass
+"""
+INFORMATION = {
+    "--help": 0,
+    "--version": 0,
+    "--list-rules": 0,
+    "--explain dead-target": 0,
+    "--no-such-option": 2,
+}
+"""What needs no stage, and the exit code of each."""
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+TABLE = re.compile(r"(<!-- written by tests/benchmarks/bench.py -->\n).*?(<!-- end -->)", re.S)
 
 _RSS_UNIT = 1 if sys.platform == "darwin" else 1024
 
@@ -70,7 +92,9 @@ class MeasureError(Exception):
 def measure(command: Sequence[str], accepted: frozenset[int] = frozenset({0})) -> Sample:
     with tempfile.TemporaryFile() as complaints:
         start = time.perf_counter()
-        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=complaints)
+        process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=complaints, env=ENVIRONMENT
+        )
         _, status, usage = os.wait4(process.pid, 0)
         wall = time.perf_counter() - start
         process.returncode = os.waitstatus_to_exitcode(status)
@@ -98,14 +122,24 @@ def compare(case: Case, runs: int) -> tuple[Sample, Sample]:
 def cases(stages: Path) -> list[Case]:
     listed = json.loads((stages / MANIFEST).read_text())["stages"]
     nothing = (sys.executable, "-c", "pass")
-    information = [Case(option, nothing, (*TOOL, option), frozenset({0})) for option in INFORMATION]
-    return information + [_stage_case(name, stages / path) for name, path in listed.items()]
+    information = [
+        Case(f"`{options}`", nothing, (*TOOL, *options.split()), frozenset({code}))
+        for options, code in INFORMATION.items()
+    ]
+    opened = [_stage_case(name, stages / path) for name, path in listed.items()]
+    return [*information, *opened, *(_scene_case(c) for c in opened if "flat" in c.name)]
 
 
 def _stage_case(name: str, path: Path) -> Case:
     roots = sorted(path.rglob("*.usda")) if path.is_dir() else [path]
     floor = (sys.executable, "-c", MASKED_OPEN, *map(str, roots))
     return Case(name, floor, (*TOOL, str(path)), frozenset({0, 1}))
+
+
+def _scene_case(case: Case) -> Case:
+    path = case.tool[-1]
+    floor = (sys.executable, "-c", WHOLE_OPEN, path)
+    return Case(f"{case.name}, `--scene`", floor, (*TOOL, "--scene", path), case.accepted)
 
 
 def _median(samples: Sequence[Sample]) -> Sample:
@@ -127,6 +161,39 @@ def table_row(name: str, floor: Sample, tool: Sample) -> str:
     return "| " + " | ".join(cells) + " |"
 
 
+def readme_table(measured: Sequence[tuple[str, Sample, Sample]], runs: int) -> str:
+    rows = [
+        "| what is linted | bare usd-core | usdrender-lint | ratio | peak memory, bare | peak memory |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for name, floor, tool in measured:
+        cells = (
+            name,
+            f"{floor.cpu:.2f} s",
+            f"{tool.cpu:.2f} s",
+            f"{tool.cpu / floor.cpu:.1f}",
+            f"{floor.peak:.0f} MB",
+            f"{tool.peak:.0f} MB",
+        )
+        rows.append("| " + " | ".join(cells) + " |")
+    versions = ", ".join(f"{name} {version(name)}" for name in ("usd-core", "click"))
+    about = (
+        f"Medians of {runs} runs: processor time of whole processes, their start included, on "
+        f"{os.cpu_count()} cores of {_processor()}, {platform.system()}, "
+        f"Python {platform.python_version()}, {versions}."
+    )
+    return "\n".join([*rows, "", about, ""])
+
+
+def _processor() -> str:
+    try:
+        told = Path("/proc/cpuinfo").read_text("utf-8")
+    except OSError:
+        return platform.processor() or platform.machine()
+    named = re.search(r"^model name\s*:\s*(.+)$", told, re.M)
+    return named[1] if named else platform.machine()
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description="Measure usdrender-lint beside bare usd-core.")
     parser.add_argument("stages", type=Path, help="the folder that shots.py wrote")
@@ -134,7 +201,12 @@ def main() -> int:
     parser.add_argument(
         "--only", default="", metavar="TEXT", help="only cases with this in the name"
     )
+    parser.add_argument(
+        "--update-readme", action="store_true", help="write the table into the README, if all ran"
+    )
     arguments = parser.parse_args()
+    if arguments.update_readme and arguments.only:
+        parser.error("--update-readme needs all cases: without --only")
     if arguments.runs < 1:
         parser.error("--runs must be at least 1")
     if not (arguments.stages / MANIFEST).is_file():
@@ -147,6 +219,7 @@ def main() -> int:
         return 2
 
     failures = 0
+    measured: list[tuple[str, Sample, Sample]] = []
     print(
         f"Medians of {arguments.runs} runs, Python {platform.python_version()}, "
         f"{os.cpu_count()} cores, {platform.system()} {platform.machine()}.\n"
@@ -162,7 +235,12 @@ def main() -> int:
             failures += 1
             print(f"| {case.name} | failed | {error} | | |", flush=True)
         else:
+            measured.append((case.name, floor, tool))
             print(table_row(case.name, floor, tool), flush=True)
+    if arguments.update_readme and not failures:
+        table = readme_table(measured, arguments.runs)
+        text = README.read_text("utf-8")
+        README.write_text(TABLE.sub(lambda m: m[1] + table + m[2], text), "utf-8")
     return 2 if failures else 0
 
 

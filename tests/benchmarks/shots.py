@@ -2,7 +2,7 @@
 
     python tests/benchmarks/shots.py OUT [--scale FACTOR]
 
-Eight cases in the folder OUT, and `stages.json`, which names their roots. At full
+Nine cases in the folder OUT, and `stages.json`, which names their roots. At full
 scale they take about 85 MB and half a minute; `--scale 0.01` makes small ones.
 `pxr` is only imported where a layer is built.
 """
@@ -121,6 +121,16 @@ def tiny(out: Path) -> Path:
     return path
 
 
+def wrong(out: Path) -> Path:
+    """The same with two findings: what it costs more to find and show a place in the text."""
+    path = out / "wrong.usda"
+    scope = render_scope(camera="/World/cam_v2").replace(
+        '"/out/shot/data.exr"', '"/out/shot/beauty.exr"'
+    )
+    path.write_text(_HEADER + scope + _WORLD)
+    return path
+
+
 def layered(out: Path, assets: int, prims: int = PRIMS_PER_ASSET) -> Path:
     """A shot: render, camera and layout sublayered, every asset a crate of its own behind a reference."""
     shot = out / f"layered_{assets}"
@@ -220,6 +230,7 @@ def generate(out: Path, scale: float = 1.0) -> dict[str, Path]:
     """Every case, scaled; the numbers in the names are those of full scale."""
     cases: dict[str, Callable[[], Path]] = {
         "tiny": lambda: tiny(out),
+        "tiny, with findings": lambda: wrong(out),
         "layered, 20 crates": lambda: layered(out, _scaled(20, scale)),
         "layered, 2,000 crates": lambda: layered(out, _scaled(2_000, scale, least=2)),
         "flat, 1,000,000 prims": lambda: flat(out, _scaled(1_000_000, scale)),

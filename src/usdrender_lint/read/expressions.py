@@ -13,14 +13,13 @@ from pxr import Sdf, Tf
 
 from ..model import Layer, Site
 from ..stage import sentences
-from .text import Texts, text_of
+from .text import Texts
 
 _AT = re.compile(r"at character (\d+)(?: \(.*?\))?:\s*(.*)", re.DOTALL)
 
 
 def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
-    data = text_of(texts.full_name(file))
-    if data is None or b"pathExpression" not in data:
+    if not texts.mention(file, b"pathExpression"):
         return []
     text = texts.of_file(file)
     found = []

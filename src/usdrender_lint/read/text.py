@@ -46,6 +46,16 @@ class Texts:
             self._known[file] = None if data is None else UsdaText(data)
         return self._known[file]
 
+    def mention(self, file: str, word: bytes) -> bool:
+        """Whether the text of a layer holds a word. That alone does not keep the text: there may be
+        more of them than fit into memory."""
+        file = self.full_name(file)
+        if file in self._known:
+            text = self._known[file]
+            return text is not None and text.mentions(word)
+        data = text_of(file)
+        return data is not None and word in data
+
     def written_target(self, stage: Usd.Stage, site: Site) -> str | None:
         """The text between the angle brackets of one entry of a relationship's list."""
         spot = find(stage, site)
