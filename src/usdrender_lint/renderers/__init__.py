@@ -34,9 +34,8 @@ One TOML file a renderer. What `any` accepts, all accept. All keys but `title` a
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable, Iterable
-from fnmatch import translate
+from collections.abc import Iterable
+from fnmatch import fnmatchcase
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -150,48 +149,56 @@ def _every(key: str, own: tuple[Own, ...]) -> frozenset[str]:
 
 def choose(evidence: Evidence, own: tuple[Own, ...] = ()) -> tuple[Renderer, str]:
     """The renderer that left by far the most traces, and which; `any` where none did, or several."""
-    weighed = [
-        (weight, name, reason)
-        for name, table in _tables(own).items()
-        for weight, reason in [_weigh(table.get("evidence", {}), evidence)]
-        if weight
-    ]
-    if not weighed:
+    weighed = [(name, *_weigh(told, evidence)) for name, told in _telling(own)]
+    most = max((weight for _, weight, _ in weighed), default=0)
+    if not most:
         return renderer(ANY, own), "no traces of a renderer"
-    most = max(weight for weight, _, _ in weighed)
-    contenders = [(name, reason) for weight, name, reason in weighed if 2 * weight > most]
+    contenders = [(name, reason) for name, weight, reason in weighed if 2 * weight > most]
     if len(contenders) == 1:
         return renderer(contenders[0][0], own), contenders[0][1]
     names = tuple(name for name, _ in contenders)
     return _any_of(names, own), f"traces of {' and '.join(names)}, none by far the most"
 
 
-def _weigh(table: dict[str, Any], evidence: Evidence) -> tuple[int, str]:
-    traces = [
-        (
-            "properties in the namespace",
-            _matching(table.get("namespaces", ()), evidence.namespaces),
-        ),
-        ("applied schemas", _matching(table.get("schemas", ()), evidence.schemas)),
-        ("productType", _matching(table.get("product-types", ()), evidence.product_types)),
-        ("cameras of type", _matching(table.get("camera-types", ()), evidence.camera_types)),
-        ("prims named", _matching(table.get("prim-names", ()), _once(evidence.prim_names))),
-        ("layer data", _matching(table.get("layer-data", ()), _once(evidence.layer_data))),
-    ]
-    weight = sum(count for _, found in traces for _, count in found)
-    said = [f"{what} {', '.join(repr(n) for n, _ in found)}" for what, found in traces if found]
-    return weight, "; ".join(said)
-
-
-def _once(found: Iterable[str]) -> list[tuple[str, int]]:
-    return [(name, 1) for name in found]
-
-
-def _matching(patterns: Iterable[str], found: Iterable[tuple[str, int]]) -> list[tuple[str, int]]:
-    matches = _pattern(tuple(patterns))
-    return [(name, n) for name, n in found if matches(name)]
+_TRACES = {
+    "namespaces": "properties in the namespace",
+    "schemas": "applied schemas",
+    "product-types": "productType",
+    "camera-types": "cameras of type",
+    "prim-names": "prims named",
+    "layer-data": "layer data",
+}
+"""What an entry of `[evidence]` is called in a sentence."""
 
 
 @cache
-def _pattern(patterns: tuple[str, ...]) -> Callable[[str], object]:
-    return re.compile("|".join(map(translate, patterns)) or r"(?!)").match
+def _telling(own: tuple[Own, ...]) -> list[tuple[str, list[tuple[str, tuple[str, ...]]]]]:
+    """For each renderer the patterns of each kind of trace, where there are any."""
+    return [
+        (name, [(kind, tuple(told[kind])) for kind in _TRACES if told.get(kind)])
+        for name, table in _tables(own).items()
+        if (told := table.get("evidence"))
+    ]
+
+
+def _weigh(told: Iterable[tuple[str, tuple[str, ...]]], evidence: Evidence) -> tuple[int, str]:
+    weight, said = 0, []
+    for kind, patterns in told:
+        found = [t for t in _traces(evidence, kind) if any(_fits(t[0], p) for p in patterns)]
+        if found:
+            weight += sum(count for _, count in found)
+            said.append(f"{_TRACES[kind]} {', '.join(repr(name) for name, _ in found)}")
+    return weight, "; ".join(said)
+
+
+def _traces(evidence: Evidence, kind: str) -> Iterable[tuple[str, int]]:
+    found: Iterable[str | tuple[str, int]] = getattr(evidence, kind.replace("-", "_"))
+    return [(one, 1) if isinstance(one, str) else one for one in found]
+
+
+def _fits(name: str, pattern: str) -> bool:
+    head, star, tail = pattern.partition("*")
+    if tail or "?" in head or "[" in head:
+        return fnmatchcase(name, pattern)
+    # Spares compiling a regular expression.
+    return name.startswith(head) if star else name == pattern
