@@ -6,7 +6,7 @@ import pytest
 from pxr import Gf, Sdf, Usd
 
 from usdrender_lint.read.colors import read_color_space
-from usdrender_lint.read.values import plain_ints, plain_text, read_attr
+from usdrender_lint.read.values import Asked, plain_ints, plain_text, read_attr
 
 LAYER = """#usda 1.0
 class RenderSettings "_base"
@@ -57,14 +57,14 @@ def test_a_stronger_default_ends_weaker_samples(settings: Usd.Prim) -> None:
     resolution = settings.GetAttribute("resolution")
     assert resolution.Get(1) == Gf.Vec2i(10, 10)
     assert resolution.GetNumTimeSamples() == 0
-    assert read_attr(settings, "resolution", plain_ints, (0, 0)).varying is None
+    assert read_attr(Asked(settings), "resolution", plain_ints, (0, 0)).varying is None
 
 
 def test_stronger_samples_leave_a_weaker_default(settings: Usd.Prim) -> None:
     blur = settings.GetAttribute("disableMotionBlur")
     assert blur.Get() is True
     assert blur.Get(1) is False
-    assert read_attr(settings, "disableMotionBlur", bool, False).varying == "timeSamples"
+    assert read_attr(Asked(settings), "disableMotionBlur", bool, False).varying == "timeSamples"
 
 
 @pytest.mark.parametrize("name", ["aspectRatioConformPolicy", "pixelAspectRatio"])
@@ -111,6 +111,6 @@ def test_data_looks_linear_by_its_gamma(name: str) -> None:
 def test_we_know_the_names_that_usd_knows(settings: Usd.Prim, name: str) -> None:
     """The value of a definition's `name` is the name, not that of the API's instance."""
     settings.GetAttribute("renderingColorSpace").Set(name)
-    read = read_attr(settings, "renderingColorSpace", plain_text, "")
+    read = read_attr(Asked(settings), "renderingColorSpace", plain_text, "")
     space, _ = read_color_space(settings, read)
     assert (space is not None) == Usd.ColorSpaceAPI.IsValidColorSpaceName(settings, name, None)

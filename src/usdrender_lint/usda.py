@@ -190,8 +190,8 @@ class UsdaText:
             if self._data.find(b"pathExpression", block.start, block.end) < 0:
                 continue
             contents = self._scan.contents(block)
-            for name, statements in contents.properties.items():
-                for statement in statements:
+            for name in contents.properties:
+                for statement in self._scan.property(block, name):
                     yield from self._expressions_of(f"{path}.{_decoded(name)}", statement)
             children = [
                 (f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child)
@@ -354,7 +354,7 @@ class UsdaText:
     def _statements(self, block: Block, path: _Path) -> list[Statement]:
         """The statements of a property; those that take something away last."""
         name = _encoded(path.property_name or "")
-        return sorted(self._scan.contents(block).properties.get(name, ()), key=_removes)
+        return sorted(self._scan.property(block, name), key=_removes)
 
     def _targets_of(self, block: Block, path: _Path) -> dict[str, Range]:
         """The entries of a property's lists by the absolute path that they mean."""

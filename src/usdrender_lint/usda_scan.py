@@ -40,7 +40,10 @@ TYPE = WORD + rb"(?:::" + WORD + rb")*+"
 OPERATION = rb"(?:(?P<operation>add|append|prepend|delete|reorder)" + GAP + rb")?"
 
 SEPARATORS = re.compile(PAD)
-NEXT_BRACE = re.compile(rb"(?:[^{}\"'#@/]++" + OPAQUE + rb"([{}]|\Z)", re.S)
+NEXT_BRACE = re.compile(  # or a long stretch without any mark
+    rb"(?:[^{}\"'#@/]{1,256}+(?=[{}\"'#@/]|\Z)" + OPAQUE + rb"([{}]|\Z|)", re.S
+)
+MARKS = (b"{", b"}", b'"', b"'", b"#", b"@", b"/")
 NEXT_OF_KIND = {
     b"(": re.compile(rb"(?:[^()\"'#@/]++" + OPAQUE + rb"([()]|\Z)", re.S),
     b"[": re.compile(rb"(?:[^\]\[\"'#@/]++" + OPAQUE + rb"([\]\[]|\Z)", re.S),
@@ -127,7 +130,8 @@ class Contents:
     """Offset of the header by name: a layer may have a million of them."""
     variants: dict[tuple[bytes, bytes], Block] = field(default_factory=dict)
     """By set and variant; the set itself under an empty variant."""
-    properties: dict[bytes, list[Statement]] = field(default_factory=dict)
+    properties: dict[bytes, list[Range]] = field(default_factory=dict)
+    """Their statements, which are read when they are asked for."""
     orders: dict[bytes, Statement] = field(default_factory=dict)
 
 
@@ -137,18 +141,33 @@ class Scan:
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._contents: dict[int, Contents] = {}
+        self._prims: dict[int, Block | None] = {}
         self.root = self._root()
 
     @cached_property
     def _closing(self) -> dict[int, int]:
         """Where each opened brace is closed. The metadata of the layer is read without."""
+        data = self._data
         closing: dict[int, int] = {}
         waiting: list[int] = []
-        for match in NEXT_BRACE.finditer(self._data):
+        position, nearest = 0, dict.fromkeys(MARKS, 0)
+        while position < len(data):
+            match = NEXT_BRACE.match(data, position)
+            assert match, "the pattern matches the empty text"  # noqa: S101
+            position = match.end()
             if match[1] == b"{":
-                waiting.append(match.end() - 1)
-            elif match[1] and waiting:
-                closing[waiting.pop()] = match.end() - 1
+                waiting.append(position - 1)
+            elif match[1]:
+                if waiting:
+                    closing[waiting.pop()] = position - 1
+            elif position < len(data):
+                # A long stretch of numbers: to look for one mark after the other is ten times as
+                # fast as to look at every byte for all of them. None is looked for twice.
+                for mark, at in nearest.items():
+                    if at < position:
+                        found = data.find(mark, position)
+                        nearest[mark] = found if found >= 0 else len(data)
+                position = min(nearest.values())
         return closing
 
     def _root(self) -> Block:
@@ -219,8 +238,12 @@ class Scan:
 
     def prim(self, parent: Block, name: bytes) -> Block | None:
         start = self.contents(parent).prims.get(name)
-        match = None if start is None else PRIM.match(self._data, start)
-        return self._block(match) if match else None
+        if start is None:
+            return None
+        if start not in self._prims:
+            match = PRIM.match(self._data, start)
+            self._prims[start] = self._block(match) if match else None
+        return self._prims[start]
 
     def contents(self, block: Block) -> Contents:
         if block.start not in self._contents:
@@ -260,8 +283,13 @@ class Scan:
             statement = self._statement(match, end)
             contents.orders.setdefault(match["name"], statement)
         elif match := PROPERTY.match(self._data, start, end):
-            statement = self._statement(match, end)
-            contents.properties.setdefault(match["name"], []).append(statement)
+            contents.properties.setdefault(match["name"], []).append((start, end))
+
+    def property(self, block: Block, name: bytes) -> Iterator[Statement]:
+        """The statements of a property."""
+        for start, end in self.contents(block).properties.get(name, ()):
+            if match := PROPERTY.match(self._data, start, end):
+                yield self._statement(match, end)
 
     def metadata(self, inside: Range) -> Iterator[Statement]:
         """The entries of a block of metadata. A bare string is its own name."""

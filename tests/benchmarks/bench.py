@@ -61,7 +61,9 @@ INFORMATION = {
 """What needs no stage, and the exit code of each."""
 
 README = Path(__file__).resolve().parents[2] / "README.md"
-TABLE = re.compile(r"(<!-- written by tests/benchmarks/bench.py -->\n).*?(<!-- end -->)", re.S)
+TABLE = re.compile(
+    r"(<!-- written by tests/benchmarks/bench.py -->\n).*?(<!-- until here -->)", re.S
+)
 
 _RSS_UNIT = 1 if sys.platform == "darwin" else 1024
 
