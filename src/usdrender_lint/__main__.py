@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import os
+import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -13,13 +14,29 @@ _SELDOM = 100_000
 """Objects between two searches for cycles, which are few here; Python's 700 cost a tenth of a run."""
 
 
+class Terminated(KeyboardInterrupt):
+    """Somebody asks the program to end: as for Ctrl-C, nothing half-done is left behind."""
+
+
+def _terminate(*_: object) -> None:
+    raise Terminated
+
+
 def main(argv: Sequence[str] | None = None) -> int:
+    before = None
+    with suppress(ValueError):  # not the main thread of its host
+        before = signal.signal(signal.SIGTERM, _terminate)
     try:
         from .cli import run
 
         return run(list(sys.argv[1:] if argv is None else argv))
-    except KeyboardInterrupt:  # while modules are still being imported
+    except Terminated:
+        return 143
+    except KeyboardInterrupt:
         return 130
+    finally:
+        if before is not None:
+            signal.signal(signal.SIGTERM, before)
 
 
 def program() -> NoReturn:

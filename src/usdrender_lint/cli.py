@@ -15,24 +15,26 @@ from .config import ConfigError, Wrong
 from .config.find import NOTHING, Configurations
 from .console import forget, say, tell, terminal_width, use_color
 from .discover import Shard
-from .formats import FORMATS, Style, render
+from .formats import FORMATS, Style, prepare, render
 from .lint import report_on
 from .output import OutputError, write_file, write_out
 from .pages import page_text
 from .patterns import Patterns
 from .plan import Plan, Sought, plan
 from .printable import escaped
+from .progress import bar
 from .registry import UnknownRuleError, all_rules
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
 from .wanted import Options, WantedError
+from .workers import TIMEOUT, Isolated
 
 if TYPE_CHECKING:
     from .baselines import Held
 
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
-INTERRUPTED, PIPE_CLOSED = 130, 141
+PIPE_CLOSED = 141
 
 _EPILOG = """\b
 Exit codes:
@@ -41,6 +43,7 @@ Exit codes:
   2    the run is incomplete or invalid: nothing is clean that was not looked at
   130  interrupted
   141  the reader of the output closed it
+  143  terminated
 """
 
 
@@ -62,8 +65,6 @@ def run(argv: Sequence[str]) -> int:
         return _failed("\n".join(map(_wrong, error.wrongs)))
     except WantedError as error:
         return _failed(f"Error: {escaped(str(error))}\n")
-    except KeyboardInterrupt:
-        return INTERRUPTED
     except BrokenPipeError:
         forget(sys.stdout)
         return PIPE_CLOSED
@@ -271,6 +272,23 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     is_eager=True,
     help="Color on the terminal.",
 )
+@click.option(
+    "-j",
+    "--jobs",
+    type=click.IntRange(min=0),
+    metavar="N",
+    help="Processes that lint at the same time. By default one for few files, else as many as there "
+    "are cores; 0: none but this one, which dies where USD does.",
+)
+@click.option(
+    "--timeout",
+    type=float,
+    default=TIMEOUT,
+    show_default=True,
+    metavar="SECONDS",
+    callback=options.seconds,
+    help="How long one file may take; 0: as long as it likes.",
+)
 @click.option("-q", "--quiet", is_flag=True, help="Only findings and errors, no summary.")
 @click.option(
     "-v",
@@ -328,6 +346,8 @@ def command(
     output_file: list[tuple[str | None, Path]],
     statistics: bool,
     color: str,
+    jobs: int | None,
+    timeout: float,
     quiet: bool,
     verbose: bool,
     show_files: bool,
@@ -370,9 +390,11 @@ def command(
     if update_baseline and not plans.baselines:
         raise click.UsageError("--update-baseline needs --baseline FILE, or one in a configuration")
     known = _known(plans, may_be_missing=update_baseline) if plans.baselines else []
-    report = report_on(
-        plans.asked, plans.problems, plans.shown, plans.otherwise, part=str(shard or "")
-    )
+    with bar(quiet=quiet) as progress:
+        how = Isolated(jobs, timeout, progress, lambda: prepare(output_format))
+        report = report_on(
+            plans.asked, plans.problems, plans.shown, plans.otherwise, how, part=str(shard or "")
+        )
     _complain(report, color)
     for note in report.notes if not quiet else ():
         tell(f"Note: {note}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from importlib import import_module
 from pathlib import Path
 
 from .console import terminal_width, use_color
@@ -22,6 +23,11 @@ class Style:
     statistics: bool
     quiet: bool
     verbose: bool
+
+
+def prepare(chosen: str) -> None:
+    """Load what will be needed: there is time for it while others lint."""
+    import_module(f"{__package__}.report.{chosen}")
 
 
 def render(report: Report, chosen: str, color: str | None, style: Style) -> str:

@@ -37,6 +37,7 @@ from .stage import (
     open_layer,
     open_stage,
     sentences,
+    sublayers_of,
 )
 from .suppress import is_about_suppressions
 from .variants import Outcome, merge_outcomes
@@ -53,7 +54,8 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
             result = _failed(file, error)
         said.collect()
-    return replace(result, chatter=(*result.chatter, *said.messages))
+    # USD composes in several threads: who speaks first is chance.
+    return replace(result, chatter=(*result.chatter, *sorted(set(said.messages))))
 
 
 def _failed(file: File, error: Exception) -> FileResult:
@@ -63,6 +65,9 @@ def _failed(file: File, error: Exception) -> FileResult:
     if isinstance(error, UnicodeDecodeError):
         said = "holds text that is not UTF-8, or one of its layers does: nothing of it was linted"
         return FileResult(problems=(Problem("undecodable-text", file.shown, said),))
+    if isinstance(error, MemoryError):
+        needs = "linting it needs more memory than there is"
+        return FileResult(problems=(Problem("out-of-memory", file.shown, needs),))
     what = f"{type(error).__name__}: {error}".splitlines()[0]
     message = f"linting it failed: {what}. This is a bug of usdrender-lint; -v tells where"
     import traceback
@@ -118,6 +123,9 @@ class _File:
         return replace(result, problems=(*result.problems, *problems))
 
     def _composed(self, layer: Sdf.Layer) -> FileResult:
+        _held, endless = sublayers_of(layer)
+        if endless is not None:
+            return FileResult(problems=(self._unreadable(endless),))
         try:
             composed = self._lint_stage(layer)
         except Tf.ErrorException as error:

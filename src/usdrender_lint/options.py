@@ -19,6 +19,9 @@ from .registry import UnknownRuleError, matching
 from .rule import Severity
 from .wanted import OFF
 
+MOST_SECONDS = 1_000_000
+"""Eleven days. Clocks of some systems count no further than 68 years."""
+
 
 def _split(values: Sequence[str]) -> list[str]:
     return [part.strip() for value in values for part in value.split(",") if part.strip()]
@@ -143,3 +146,9 @@ def config_file(ctx: click.Context, param: click.Parameter, value: str | None) -
     if not value.strip() or Path(value).is_dir():
         raise click.BadParameter(f"{value!r} names no file", ctx, param)
     return Path(absolute(value))
+
+
+def seconds(ctx: click.Context, param: click.Parameter, value: float) -> float:
+    if not 0 <= value <= MOST_SECONDS:
+        raise click.BadParameter(f"{value} is not between 0 and {MOST_SECONDS}", ctx, param)
+    return value

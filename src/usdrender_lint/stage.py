@@ -25,6 +25,10 @@ RENDER_RELATIONSHIPS = ("camera", "products", "orderedVars", "renderSource", "in
 ROUNDS = 8
 """Of widening, prim by prim, before the layers are asked what a chain leads to in the end."""
 
+_FOLDER = "a folder"
+_SMALL = 1_000_000
+"""Bytes of a layer in which all asset paths are found in no time."""
+
 _LFS = b"version https://git-lfs.github.com/spec/v1"
 _ADDRESS = re.compile(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
 """Of a stage or a layer in memory: nobody can follow it, and it differs from run to run."""
@@ -125,16 +129,12 @@ def look(file: str) -> Unreadable | None:
     if not file.isascii() and file.encode(errors="replace").decode() != file:
         return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
     try:
-        if stat.S_ISFIFO(Path(file).stat().st_mode):
-            # To open it would be to wait for somebody who writes into it.
-            return Unreadable(file, "unreadable-file", "a named pipe, not a file")
+        if what := _no_file(Path(file).stat().st_mode):
+            return Unreadable(file, "unreadable-file", f"{what}, not a file")
         with Path(file).open("rb") as stream:
             head = stream.read(1024)
-    except IsADirectoryError:
-        return Unreadable(file, "unreadable-file", "a folder, not a file")
     except OSError as error:
-        reason = (error.strerror or str(error)).lower()
-        return Unreadable(file, "unreadable-file", f"cannot be read: {reason}")
+        return _cannot_be_read(file, error)
     if not head:
         return Unreadable(file, "unreadable-file", "the file is empty")
     if head.startswith(_LFS):
@@ -148,6 +148,52 @@ def look(file: str) -> Unreadable | None:
             "begins with a UTF-8 byte order mark, which USD refuses: save it as UTF-8 without BOM",
         )
     return _wrong_format(file, head)
+
+
+def _cannot_be_read(file: str, error: OSError) -> Unreadable:
+    reason = (error.strerror or str(error)).lower()
+    return Unreadable(file, "unreadable-file", f"cannot be read: {reason}")
+
+
+def _no_file(mode: int) -> str | None:
+    """What stands where a file should. Opening a pipe is waiting for somebody who writes into it;
+    a device may have no end, or do something."""
+    if stat.S_ISREG(mode):
+        return None
+    kinds = {stat.S_IFDIR: _FOLDER, stat.S_IFIFO: "a named pipe", stat.S_IFSOCK: "a socket"}
+    return kinds.get(stat.S_IFMT(mode), "a device")
+
+
+def sublayers_of(layer: Sdf.Layer) -> tuple[list[Sdf.Layer], Unreadable | None]:
+    """All layers below, to be held until the stage is open, which needs them, too; and a pipe or
+    device that is brought in, for which USD would wait forever.
+
+    What lies behind references is not looked at: it is opened only where the render spec needs it.
+    """
+    held, known = [layer], {layer.identifier}
+    for one in held:
+        sublayers = {one.ComputeAbsolutePath(name) for name in one.subLayerPaths}
+        others = one.GetCompositionAssetDependencies() if _is_small(one) else []
+        for file in sorted(sublayers.union(map(one.ComputeAbsolutePath, others)) - known):
+            known.add(file)
+            try:
+                what = _no_file(Path(file).stat().st_mode)
+            except (OSError, ValueError):  # told where it is missed
+                continue
+            if what not in (None, _FOLDER):
+                return held, Unreadable(
+                    file, "unreadable-file", f"{what}, not a file", one.realPath
+                )
+            with suppress(Tf.ErrorException):
+                if file in sublayers and (found := Sdf.Layer.FindOrOpen(file)):
+                    held.append(found)
+    return held, None
+
+
+def _is_small(layer: Sdf.Layer) -> bool:
+    with suppress(OSError):
+        return Path(layer.realPath).stat().st_size < _SMALL
+    return False
 
 
 def _wrong_format(file: str, head: bytes) -> Unreadable | None:
@@ -179,7 +225,10 @@ def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
     try:
         layer = Sdf.Layer.FindOrOpen(file)
     except Tf.ErrorException as error:
-        return _why_not(file, sentences(error.args))
+        try:
+            return _why_not(file, sentences(error.args))
+        except OSError as gone:  # since it was looked at
+            return _cannot_be_read(file, gone)
     if layer is None:
         what = (
             "no layer in it that opens"

@@ -1,0 +1,527 @@
+"""Nothing brings a run down: not a crash or a hang of USD, not a signal, not what stands in a folder."""
+
+from __future__ import annotations
+
+import faulthandler
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from usdrender_lint import machine, workers
+from usdrender_lint.__main__ import main
+from usdrender_lint.discover import Shown, Target
+from usdrender_lint.formats import FORMATS
+from usdrender_lint.lint import Config, FileResult, lint
+from usdrender_lint.registry import select
+from usdrender_lint.testing import BASE
+from usdrender_lint.workers import Isolated, Worker, forked, packed, run, spawned, unpacked
+
+CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
+posix = pytest.mark.skipif(os.name == "nt", reason="signals and special files are others there")
+linux = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc")
+
+pytestmark = pytest.mark.filterwarnings(
+    # The tests themselves may have loaded USD, with its threads; the program never has.
+    "ignore:.*multi-threaded, use of fork.*:DeprecationWarning"
+)
+
+STARTS = [
+    pytest.param(forked, marks=pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork")),
+    spawned,
+]
+"""Both ways to a worker, whichever this system would take."""
+
+
+@dataclass(frozen=True)
+class Doing:
+    """Does what the names of files say."""
+
+    prepared: str = ""
+
+    def prepare(self) -> None:
+        if self.prepared:
+            self(Target(Path(self.prepared), self.prepared))
+
+    def __call__(self, file: Target) -> FileResult:
+        name = file.shown
+        faulthandler.disable()  # pytest's, which would speak in a copied process, too
+        if "abort" in name:
+            os.abort()
+        if "killed" in name:
+            os.kill(os.getpid(), signal.SIGKILL)
+        if "exit" in name:
+            os._exit(3)
+        if "raise" in name:
+            raise RuntimeError(name)
+        if "sleep" in name:
+            time.sleep(600)
+        if "greedy" in name:
+            bytearray(400_000_000)
+        return FileResult(layers=(name,), chatter=(str(os.getpid()),))
+
+
+@dataclass(frozen=True)
+class DyingLater(Doing):
+    """Dies of what it did before, unless there was nothing before."""
+
+    def __call__(self, file: Target) -> FileResult:
+        faulthandler.disable()
+        if DID:
+            os.abort()
+        DID.append(file.shown)
+        return FileResult(layers=(file.shown,))
+
+
+DID: list[str] = []
+
+
+def named(*names: str) -> list[Target]:
+    return [Target(Path(name), name) for name in names]
+
+
+def told(results: list[FileResult | None]) -> list[str]:
+    """The name for what was linted, the kind of the problem for what was not."""
+    return [
+        "nothing" if r is None else r.problems[0].kind if r.problems else r.layers[0]
+        for r in results
+    ]
+
+
+# Death and delay
+
+
+@posix
+@pytest.mark.parametrize(("start", "jobs"), [(forked, 1), (forked, 2), (forked, 5), (spawned, 3)])
+def test_a_file_that_kills_its_worker_costs_no_other(start: workers.Start, jobs: int) -> None:
+    names = ["abort", "a", "b", "killed", "exit", "c", "raise", "abort-2", "abort-3", "d"]
+    results = run(Doing(), named(*names), Isolated(jobs), start)
+    died = {"killed": "out-of-memory"} | dict.fromkeys(
+        ("abort", "exit", "raise", "abort-2", "abort-3"), "crashed-usd"
+    )
+    assert told(results) == [died.get(name, name) for name in names]
+    assert results[0] is not None
+    assert results[0].problems[0].message == "USD crashed while reading it"
+    assert results[0].chatter == ("abort: the process that linted it ended with SIGABRT",)
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_a_file_that_takes_too_long_costs_no_other(start: workers.Start) -> None:
+    began = time.monotonic()
+    results = run(Doing(), named("a", "sleep", "b", "c"), Isolated(1, timeout=0.5), start)
+    assert told(results) == ["a", "timed-out", "b", "c"]
+    assert results[1] is not None
+    assert results[1].problems[0].message.startswith("linting it took longer than 0.5 s")
+    assert time.monotonic() - began < 60
+
+
+@posix
+def test_a_worker_that_was_harmed_before_blames_no_innocent_file() -> None:
+    results = run(DyingLater(), named("a", "b", "c"), Isolated(1), forked)
+    assert told(results) == ["a", "b", "c"]
+
+
+@posix
+def test_memory_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The worker's Python is told by an exception, which ends it."""
+    monkeypatch.setattr(workers, "most_memory", lambda: 300_000_000)
+    if sys.platform != "linux":
+        pytest.skip("RLIMIT_DATA counts something else there")
+    assert told(run(Doing(), named("a", "greedy", "b"), Isolated(1), forked)) == [
+        "a", "crashed-usd", "b"
+    ]  # fmt: skip
+
+
+def test_an_exhausted_memory_is_no_bug(monkeypatch: pytest.MonkeyPatch) -> None:
+    from usdrender_lint import lint_file
+
+    def fails(_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr(lint_file._File, "lint", fails)
+    problem = lint([str(CLEAN)]).problems[0]
+    assert (problem.kind, "bug" in problem.message) == ("out-of-memory", False)
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_where_no_worker_lives_nothing_is_claimed(start: workers.Start) -> None:
+    """A file that was not looked at has no result."""
+    assert told(run(Doing("exit"), named("a", "b"), Isolated(2), start)) == ["nothing"] * 2
+
+
+def test_where_no_worker_can_be_started_nothing_is_claimed() -> None:
+    def fails(*_: object) -> Worker:
+        raise BlockingIOError
+
+    assert run(Doing(), named("a", "b"), Isolated(2), fails) == [None, None]
+
+
+@posix
+def test_a_file_that_killed_a_worker_is_never_tried_here() -> None:
+    """Not even if no other worker can be had."""
+    started = []
+
+    def once(*args: object) -> Worker:
+        if started:
+            raise BlockingIOError
+        started.append(1)
+        return forked(*args)  # type: ignore[arg-type]
+
+    assert told(run(Doing(), named("a", "abort", "b"), Isolated(1), once)) == [
+        "a", "crashed-usd", "nothing"
+    ]  # fmt: skip
+
+
+def test_what_no_worker_took_is_linted_here(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(workers, "_way", lambda: None)
+    files = [Target(CLEAN, "film_shot.usda")]
+    asked = [(file, Config()) for file in files]
+    assert Isolated()(asked, Shown()) == Isolated(0)(asked, Shown())
+
+
+@linux
+@pytest.mark.parametrize("start", STARTS)
+def test_nothing_is_left_open(start: workers.Start) -> None:
+    def count() -> int:
+        return sum(1 for _ in Path("/proc/self/fd").iterdir())
+
+    before = count()
+    run(Doing(), named("a", "abort", "b", "sleep"), Isolated(2, timeout=0.5), start)
+    assert count() == before
+
+
+def test_a_pause_of_all_is_nobodys_delay() -> None:
+    """Ctrl-Z stops the workers with the program."""
+    worker = Worker(None, 0, lambda: None, ready=True, since=100.0)  # type: ignore[arg-type]
+    crew = workers._Crew(Doing(), named("a"), Isolated(), forked)
+    crew._workers.append(worker)
+    crew._forgive(0.3)
+    assert worker.since == 100.0
+    crew._forgive(30.0)
+    assert worker.since == 130.0
+    crew._workers.clear()
+
+
+# What crosses
+
+
+def test_results_cross_unchanged() -> None:
+    folder = ROOT / "fixtures" / "bad"
+    config = Config(select(["ALL"]), variants=True)
+    files = [Target(f, f.name) for f in sorted(folder.glob("*.usda"))]
+    results = workers.lint_here([(file, config) for file in files], Shown())
+    assert sum(len(r.findings) for r in results) > 100
+    assert unpacked(packed(results)) == results
+    crossed = unpacked(packed(results))
+    rules = [(a.rule, b.rule) for r, c in zip(results, crossed, strict=True) for a, b in zip(r.findings, c.findings, strict=True)]  # fmt: skip
+    assert all(a is b for a, b in rules)
+    assert unpacked(packed(config)) == config
+
+
+def test_work_is_shared_fairly() -> None:
+    assert [Isolated().count(n) for n in (1, 11)] == [1, 1]
+    assert Isolated(4).count(2) == 2
+    assert Isolated(10_000).count(10_000) == workers.MOST
+    assert 1 <= Isolated().count(1000) <= machine.cores()
+
+
+@pytest.mark.parametrize(
+    ("said", "cores"),
+    [
+        ({}, 8),
+        ({"cpu.max": "max 100000"}, 8),
+        ({"cpu.max": "200000 100000"}, 2),
+        ({"cpu.max": "20000 100000"}, 1),
+        ({"cpu/cpu.cfs_quota_us": "-1", "cpu/cpu.cfs_period_us": "100000"}, 8),
+        ({"cpu/cpu.cfs_quota_us": "300000", "cpu/cpu.cfs_period_us": "100000"}, 3),
+    ],
+)
+def test_cores_that_may_be_used(
+    said: dict[str, str], cores: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, text in said.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(f"{text}\n")
+    monkeypatch.setattr(machine, "_GROUPS", tmp_path)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: set(range(8)), raising=False)
+    assert machine.cores() == cores
+
+
+def test_memory_that_may_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(machine, "_GROUPS", tmp_path)
+    whole = machine.most_memory()
+    (tmp_path / "memory.max").write_text("1000000\n")
+    assert machine.most_memory() == 800_000
+    (tmp_path / "memory.max").write_text("max\n")
+    assert machine.most_memory() == whole
+
+
+# The program as a process
+
+
+ENVIRONMENT = os.environ | {
+    "PYTHONPATH": os.pathsep.join(
+        filter(None, (str(Path(workers.__file__).parents[1]), os.environ.get("PYTHONPATH")))
+    )
+}
+
+SLOW = """
+import os, pathlib, sys, time
+from usdrender_lint import workers
+from usdrender_lint.__main__ import main
+
+def slow(self, file, /):
+    pathlib.Path("pid").write_text(str(os.getpid()))
+    time.sleep(float(os.environ.get("SLOW", "600")))
+    return linted(self, file)
+
+linted = workers.Linting.__call__
+workers.Linting.__call__ = slow
+sys.exit(main(sys.argv[1:]))
+"""
+"""The program with a worker that takes its time."""
+
+STARTED: list[subprocess.Popen[bytes]] = []
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    yield
+    while STARTED:
+        process = STARTED.pop()
+        process.kill()
+        process.communicate()
+
+
+def start(code: str, *args: str) -> subprocess.Popen[bytes]:
+    process = subprocess.Popen(
+        [sys.executable, "-c", code, *args],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        env=ENVIRONMENT,
+    )
+    STARTED.append(process)
+    return process
+
+
+def lint_with(*args: str, timeout: float = 120) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [sys.executable, "-m", "usdrender_lint", *args],
+        capture_output=True,
+        env=ENVIRONMENT,
+        timeout=timeout,
+    )
+
+
+def pid_of_worker() -> int:
+    def written() -> bool:
+        return Path("pid").exists() and Path("pid").read_text() != ""
+
+    wait_until(written)
+    return int(Path("pid").read_text())
+
+
+def wait_until(true: Callable[[], bool], seconds: float = 60) -> None:
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+
+
+def is_gone(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+@linux
+@pytest.mark.parametrize(
+    ("sent", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -9)]
+)
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_a_signal_ends_the_program_and_its_workers(
+    sent: signal.Signals, code: int, jobs: str
+) -> None:
+    process = start(SLOW, str(CLEAN), str(CLEAN.with_name("stereo.usda")), "-j", jobs, "--output-file", "out.json")  # fmt: skip
+    worker = pid_of_worker()
+    began = time.monotonic()
+    process.send_signal(sent)
+    out, err = process.communicate(timeout=30)
+    assert (process.returncode, out, err) == (code, b"", b"")
+    wait_until(lambda: is_gone(worker), 10)
+    assert time.monotonic() - began < 5  # 0.1 on a machine that does nothing else
+    assert {file.name for file in Path().iterdir()} == {"pid"}
+
+
+@pytest.mark.parametrize("jobs", ["", "-j1", "-j2", "-j0"])
+def test_usd_is_loaded_where_files_are_opened_only(jobs: str) -> None:
+    code = """
+import sys
+from usdrender_lint.__main__ import main
+main(sys.argv[1:])
+print("pxr" in sys.modules)
+"""
+    args = [jobs] if jobs else []
+    process = start(code, str(CLEAN), str(CLEAN.with_name("stereo.usda")), "-q", *args)
+    loaded = process.communicate(timeout=60)[0].split()[-1]
+    assert loaded == (b"True" if jobs == "-j0" else b"False")
+
+
+def test_the_same_bytes_however_many_workers() -> None:
+    paths = [str(ROOT / "fixtures" / name) for name in ("bad", "broken", "clean")]
+    runs = {"-j0": paths, "-j1": paths[::-1], "-j3": [*paths, *paths]}
+    written = []
+    for jobs, given in runs.items():
+        files = [f"--output-file={chosen}:{chosen}" for chosen in FORMATS]
+        done = lint_with(*given, *files, "-v", jobs, "--output-format", "concise")
+        texts = {chosen: Path(chosen).read_bytes() for chosen in FORMATS}
+        written.append((done.returncode, done.stdout, done.stderr, texts))
+    assert written[0][0] == 2
+    assert b"USD: " in written[0][1]
+    assert all(len(text) > 1000 for text in written[0][3].values())
+    assert written[1:] == written[:1] * 2
+
+
+@linux
+def test_progress_is_shown_on_a_terminal_and_leaves_nothing() -> None:
+    import pty
+
+    for letter in "abc":
+        Path(f"{letter}\x1b[31m.usda").write_text(BASE)
+    environment = ENVIRONMENT | {"SLOW": "1.2", "TERM": "xterm", "COLUMNS": "80"}
+    ours, theirs = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", SLOW, ".", "-j1"],
+        stdout=subprocess.PIPE, stderr=theirs, env=environment,
+    )  # fmt: skip
+    STARTED.append(process)
+    os.close(theirs)
+    seen = b""
+    try:
+        while more := os.read(ours, 4096):
+            seen += more
+    except OSError:  # the terminal's other end is closed
+        pass
+    os.close(ours)
+    lines = seen.decode().split("\r")
+    assert any(line.startswith("[######..............] 1/3  b\\x1b[31m.usda") for line in lines)
+    assert "\x1b" not in seen.decode()
+    assert lines[-1] == ""
+    assert lines[-2].strip() == ""
+    assert len(lines[-2]) == max(map(len, lines)) < 80
+    assert max(map(len, lines)) > 0
+
+
+@pytest.mark.parametrize("args", [(), ("-q",)])
+def test_no_progress_where_nobody_looks(args: tuple[str, ...]) -> None:
+    Path("a.usda").write_text(CLEAN.read_text("utf-8"), "utf-8")
+    process = start(SLOW.replace('"600"', '"2.5"'), "a.usda", *args)
+    assert process.communicate(timeout=60)[1] == b""
+
+
+def test_limits_that_make_no_sense_are_told(capsys: pytest.CaptureFixture[str]) -> None:
+    for wrong in ("--timeout=-1", "--timeout=nan", "--timeout=inf", "--jobs=-1", "-jx"):
+        assert main([str(CLEAN), wrong]) == 2
+        assert "Error: Invalid value" in capsys.readouterr().err
+
+
+def test_no_timeout_is_no_limit() -> None:
+    assert lint_with(str(CLEAN), "--timeout", "0").returncode == 0
+
+
+# What may stand in a folder
+
+
+def error_lines(*args: str) -> list[str]:
+    done = lint_with(*args, "-q")
+    assert done.returncode == 2
+    assert b"\x1b" not in done.stdout + done.stderr
+    return done.stderr.decode().splitlines()
+
+
+@posix
+def test_what_is_no_file_is_told_and_not_opened() -> None:
+    os.mkfifo("pipe.usda")
+    Path("zeros.usdc").symlink_to("/dev/zero")
+    Path("loop.usda").symlink_to("loop.usda")
+    Path("folder.usda").mkdir()
+    Path("folder.usda", "good.usda").write_text(CLEAN.read_text("utf-8"), "utf-8")
+    with socket.socket(socket.AF_UNIX) as one:
+        one.bind("socket.usd")
+        found = error_lines(".", "--timeout", "30")
+    assert [line for line in found if "loop" not in line] == [
+        "error: pipe.usda: a named pipe, not a file",
+        "error: socket.usd: a socket, not a file",
+        "error: zeros.usdc: a device, not a file",
+    ]
+    assert error_lines("/dev/zero")[0].endswith("not a USD file by its name: expected .usd, .usda, .usdc or .usdz")  # fmt: skip
+
+
+@posix
+@pytest.mark.parametrize(
+    "layer",
+    [
+        "(\n    subLayers = [@./pipe.usda@]\n)\n",
+        "(\n    subLayers = [@./below.usda@]\n)\n",
+        'def Scope "Render" (\n    references = @./pipe.usda@</Render>\n)\n{\n}\n',
+        'def Scope "Render" (\n    payload = @./pipe.usda@\n)\n{\n}\n',
+    ],
+)
+def test_a_pipe_that_a_layer_brings_in_is_told_and_not_waited_for(layer: str) -> None:
+    os.mkfifo("pipe.usda")
+    Path("below.usda").write_text("#usda 1.0\n(\n    subLayers = [@./pipe.usda@]\n)\n")
+    Path("top.usda").write_text(f"#usda 1.0\n{layer}")
+    by = "below" if "below" in layer else "top"
+    assert error_lines("top.usda") == [
+        f"error: pipe.usda: a named pipe, not a file (brought in by {by}.usda)"
+    ]
+
+
+@posix
+def test_a_pipe_that_is_found_too_late_costs_its_file_only() -> None:
+    """Behind a reference, where nobody looked: the limit of time is the last net."""
+    os.mkfifo("pipe.usda")
+    Path("below.usda").write_text(
+        '#usda 1.0\ndef "R" (\n    references = @./pipe.usda@</R>\n)\n{\n}\n'
+    )
+    Path("top.usda").write_text('#usda 1.0\ndef Scope "Render" (\n    references = @./below.usda@</R>\n)\n{\n}\n')  # fmt: skip
+    Path("good.usda").write_text(CLEAN.read_text("utf-8"), "utf-8")
+    done = lint_with("top.usda", "good.usda", "--timeout", "3")
+    assert done.stderr.decode().startswith("error: top.usda: linting it took longer than 3 s")
+    assert done.stdout.decode().startswith("No findings in 1 file.\n")
+    assert done.returncode == 2
+
+
+@posix
+def test_a_file_that_vanishes_on_the_way_is_no_bug(monkeypatch: pytest.MonkeyPatch) -> None:
+    from usdrender_lint import stage
+
+    file = Path("gone.usda")
+    file.write_text("#usda 1.0\ndef\n")
+
+    def looked(name: str) -> None:
+        Path(name).unlink()
+
+    monkeypatch.setattr(stage, "look", looked)
+    problems = lint(["gone.usda"]).problems
+    assert [(p.kind, "bug" in p.message) for p in problems] == [("unreadable-file", False)]
+
+
+@posix
+def test_ten_thousand_paths() -> None:
+    Path("a.usda").write_text(CLEAN.read_text("utf-8"), "utf-8")
+    names = [f"./{'./' * (n % 50)}{n % 7}.usda" for n in range(9_999)]
+    done = lint_with("a.usda", *names, "--output-format", "json")
+    report = json.loads(done.stdout)
+    assert (done.returncode, report["files"], len(report["errors"])) == (2, 1, 7)
