@@ -85,6 +85,12 @@ class DyingLater(Doing):
 DID: list[str] = []
 
 
+@dataclass(frozen=True)
+class Telling(Doing):
+    def __call__(self, file: Target) -> FileResult:
+        return FileResult(chatter=(str(os.environ.get("PXR_WORK_THREAD_LIMIT")),))
+
+
 def named(*names: str) -> list[Target]:
     return [Target(Path(name), name) for name in names]
 
@@ -232,6 +238,18 @@ def test_work_is_shared_fairly() -> None:
     assert Isolated(4).count(2) == 2
     assert Isolated(10_000).count(10_000) == workers.MOST
     assert 1 <= Isolated().count(1000) <= machine.cores()
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_workers_share_the_cores(start: workers.Start, monkeypatch: pytest.MonkeyPatch) -> None:
+    """USD starts a thread for each core, in every process."""
+    monkeypatch.setattr(workers, "cores", lambda: 8)
+    monkeypatch.delenv("PXR_WORK_THREAD_LIMIT", raising=False)
+    for jobs, threads in ((1, "None"), (2, "4"), (3, "2")):
+        results = run(Telling(), named("a", "b", "c"), Isolated(jobs), start)
+        assert [r and r.chatter for r in results] == [(threads,)] * 3
+    monkeypatch.setenv("PXR_WORK_THREAD_LIMIT", "7")
+    assert run(Telling(), named("a", "b"), Isolated(2), start)[0] == FileResult(chatter=("7",))
 
 
 @pytest.mark.parametrize(
@@ -525,3 +543,33 @@ def test_ten_thousand_paths() -> None:
     done = lint_with("a.usda", *names, "--output-format", "json")
     report = json.loads(done.stdout)
     assert (done.returncode, report["files"], len(report["errors"])) == (2, 1, 7)
+
+
+@posix
+@pytest.mark.parametrize("chosen", FORMATS)
+def test_a_name_that_is_no_text_is_told_in_every_format(chosen: str) -> None:
+    """Where the file system keeps such names at all."""
+    try:
+        Path(os.fsdecode(b"caf\xe9.usda")).write_text(CLEAN.read_text("utf-8"), "utf-8")
+    except OSError:
+        pytest.skip("no such names here")
+    done = lint_with(".", "--output-format", chosen)
+    assert done.returncode == 2
+    assert done.stderr.decode().endswith(": its name is not UTF-8, which USD needs\n")
+    done.stdout.decode()
+
+
+HANGS = (1761, 1)
+"""A byte of a crate, and a value with which USD 26.11 mostly never ends to read it. Sometimes it dies
+of it or refuses it, for it goes by what happens to be in its memory."""
+
+
+def test_a_crate_that_hangs_or_kills_usd_costs_itself_only() -> None:
+    data = bytearray((ROOT / "fixtures" / "formats" / "scene.usdc").read_bytes())
+    data[HANGS[0]] = HANGS[1]
+    Path("a.usdc").write_bytes(data)
+    Path("b.usda").write_text(CLEAN.read_text("utf-8"), "utf-8")
+    done = lint_with("a.usdc", "b.usda", "--timeout", "4", "--output-format", "json")
+    report = json.loads(done.stdout)
+    assert (done.returncode, report["files"]) == (2, 1)
+    assert [e["path"] for e in report["errors"]] == ["a.usdc"]

@@ -116,10 +116,24 @@ class Isolated:
         here = iter(lint_here(left, shown))
         return [next(here) if result is None else result for result in results]
 
+    def limits(self, files: int) -> Limits:
+        workers = self.count(files)
+        return Limits(self.timeout, max(1, cores() // workers) if workers > 1 else None)
+
     def count(self, files: int) -> int:
         if self.jobs is not None:
             return max(1, min(self.jobs, files, MOST))
         return 1 if files < FEW else min(cores(), math.ceil(files / FEW) + 1, MOST)
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one worker may take."""
+
+    seconds: float
+    """For one file; 0: as many as it likes."""
+    threads: int | None
+    """Of USD, which takes one for each core by itself; None: as many as it likes."""
 
 
 Start = Callable[[Work, Sequence[Named], Isolated, "Sequence[Worker]"], "Worker"]
@@ -465,7 +479,7 @@ def forked(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[W
             for end in (ours, *(other.channel for other in others)):
                 end.close()
             _settle_down(life[0])
-            serve(_Pipes(tasks[0], results[1]), work, files, how.timeout)
+            serve(_Pipes(tasks[0], results[1]), work, files, how.limits(len(files)))
 
         _do_and_exit(serve_as_copy)
     for theirs in (tasks[0], results[1], life[0]):
@@ -533,7 +547,7 @@ def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[
     worker = Worker(ours, process.pid, process.poll)
     ours.settimeout(_START_LIMIT)  # it may turn out to be no Python that listens
     with suppress(OSError):
-        ours.sendall(_framed(packed((work, tuple(files), how.timeout))))
+        ours.sendall(_framed(packed((work, tuple(files), how.limits(len(files))))))
     ours.settimeout(None)
     return worker
 
@@ -550,8 +564,8 @@ def begin() -> None:
         channel = socket.fromshare(sys.stdin.buffer.read())
     else:
         channel = socket.socket(fileno=int(sys.argv[1]))
-    work, files, limit = unpacked(_receive(channel))
-    _do_and_exit(lambda: serve(channel, work, files, limit))
+    work, files, limits = unpacked(_receive(channel))
+    _do_and_exit(lambda: serve(channel, work, files, limits))
 
 
 def _do_and_exit(task: Callable[[], None]) -> NoReturn:
@@ -565,9 +579,11 @@ def _do_and_exit(task: Callable[[], None]) -> NoReturn:
         os._exit(code)
 
 
-def serve(channel: Channel, work: Work, files: Sequence[Named], limit: float) -> None:
+def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:
     """Lint what is asked for, until nobody asks any more."""
     _limit_resources()
+    if limits.threads is not None:  # before USD is loaded; what a person says about it stands
+        os.environ.setdefault("PXR_WORK_THREAD_LIMIT", str(limits.threads))
     work.prepare()
     channel.sendall(_framed(b""))
     while True:
@@ -576,9 +592,9 @@ def serve(channel: Channel, work: Work, files: Sequence[Named], limit: float) ->
         except (EOFError, OSError):
             return
         for index in asked:
-            if limit and hasattr(signal, "alarm"):
+            if limits.seconds and hasattr(signal, "alarm"):
                 # Should nobody be left to tell that it takes too long.
-                signal.alarm(math.ceil(limit) + 5)
+                signal.alarm(math.ceil(limits.seconds) + 5)
             channel.sendall(_framed(packed(work(files[index]))))
 
 
