@@ -507,6 +507,17 @@ def test_a_pipe_that_a_layer_brings_in_is_told_and_not_waited_for(layer: str) ->
 
 
 @posix
+def test_a_pipe_in_the_neighborhood_is_not_waited_for() -> None:
+    """Layers beside a given one are read to learn whether they use it, in the program itself."""
+    os.mkfifo("pipe.usda")
+    Path("part.usda").write_text(BASE.replace("</World/main_cam>", "</World/cam>"), "utf-8")
+    Path("shot.usda").write_text(
+        "#usda 1.0\n(\n    subLayers = [@./part.usda@, @./pipe.usda@]\n)\n"
+    )
+    assert lint_with("part.usda", timeout=60).returncode == 1
+
+
+@posix
 def test_a_pipe_that_is_found_too_late_costs_its_file_only() -> None:
     """Behind a reference, where nobody looked: the limit of time is the last net."""
     os.mkfifo("pipe.usda")

@@ -121,6 +121,8 @@ class Uses:
     def _bytes_of(self, file: str) -> bytes:
         """All of a text layer, or its head if nobody asks for more."""
         try:
+            if not Path(file).is_file():  # a pipe would be waited for
+                return b""
             with Path(file).open("rb") as stream:
                 head = stream.read(_HEAD)
                 is_whole = not head.startswith(b"#") or (not self._wanted and _metadata_ends(head))
