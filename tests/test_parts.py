@@ -78,7 +78,7 @@ def test_a_default_without_any_scope_leads_nowhere() -> None:
     ids=["by themselves", "at the root", "in the scope", "with products"],
 )
 def test_a_library_is_not_blamed_for_missing_settings(library: str) -> None:
-    assert told(library) == []
+    assert told(library) == ["note no-render-settings"]
 
 
 def test_with_a_scene_it_is_no_library() -> None:

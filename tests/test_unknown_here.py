@@ -52,10 +52,11 @@ def test_the_shutter_matters_only_to_motion_blur() -> None:
 @pytest.mark.parametrize(
     ("name", "renderer", "told"),
     [
-        ("a.EXR", "any", []),
-        ("a.PNG", "any", []),
-        ("a.EXR", "renderman", []),
-        ("a.PNG", "renderman", ["unsupported-extension"]),
+        ("a.EXR", "any", ["note unsupported-extension"]),
+        ("a.PNG", "any", ["note unsupported-extension"]),
+        ("a.EXR", "arnold", []),
+        ("a.EXR", "renderman", ["note unsupported-extension"]),
+        ("a.PNG", "renderman", ["warning unsupported-extension"]),
     ],
 )
 def test_upper_case_is_the_same_format_where_it_is(
@@ -63,7 +64,7 @@ def test_upper_case_is_the_same_format_where_it_is(
 ) -> None:
     product = f'token productName = "/out/{name}"\n        rel orderedVars = </Render/v>'
     _, marks = lint_files({"main.usda": stage(product=product)}, renderer=renderer)
-    assert [m.rule for m in marks] == told
+    assert [f"{m.severity} {m.rule}" for m in marks] == told
 
 
 @pytest.mark.parametrize(

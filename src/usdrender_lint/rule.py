@@ -80,8 +80,8 @@ class Renderer:
     """File extensions that it writes, in lower case, with the dot."""
     unsupported_extensions: frozenset[str] = frozenset()
     """Those of `extensions` that it does not write after all."""
-    exact_extension_case: bool = False
-    """`.PNG` is no `.png` to it."""
+    exact_extension_case: frozenset[str] = frozenset()
+    """Titles of those to whom `.PNG` is no `.png`: its own, or for `any` those of all renderers."""
     multi_channel_extensions: frozenset[str] = frozenset()
     """Beside exr, of files that hold any number of channels."""
     frame_tokens: tuple[str, ...] = ()

@@ -119,7 +119,7 @@ def _read(name: str, accepting: tuple[str, ...], own: tuple[Own, ...]) -> Render
         unnamed_product=table.get("unnamed-product", ""),
         extensions=_every("extensions", own) if name == ANY else listed("extensions"),
         unsupported_extensions=listed("unsupported-extensions"),
-        exact_extension_case=bool(table.get("exact-extension-case")),
+        exact_extension_case=_case_matters_to(name, own),
         multi_channel_extensions=listed("multi-channel-extensions"),
         frame_tokens=ordered("frame-tokens"),
         name_variables=ordered("name-variables"),
@@ -140,6 +140,12 @@ def _read(name: str, accepting: tuple[str, ...], own: tuple[Own, ...]) -> Render
             if one is table or level == "off"
         },
     )
+
+
+def _case_matters_to(name: str, own: tuple[Own, ...]) -> frozenset[str]:
+    tables = _tables(own)
+    asked = tables.values() if name == ANY else (tables[name],)
+    return frozenset(t["title"] for t in asked if t.get("exact-extension-case"))
 
 
 def _every(key: str, own: tuple[Own, ...]) -> frozenset[str]:

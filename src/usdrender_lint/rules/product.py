@@ -192,7 +192,7 @@ def deep_needs_exr(product: Product, context: Context) -> Iterator[Finding]:
     if any(product.has(attribute) for attribute in DRIVER_ATTRIBUTES):
         return
     extension = extension_of(name)
-    if not context.renderer.exact_extension_case:
+    if context.renderer.title not in context.renderer.exact_extension_case:
         extension = extension.lower()
     if extension in {".exr", *context.renderer.deep_extensions}:
         return

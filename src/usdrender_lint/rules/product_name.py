@@ -92,18 +92,18 @@ def unsupported_extension(scope: RenderScope, context: Context) -> Iterator[Find
         _unsupported(product, name, context.renderer)
         for product, name in _files(scope, context.renderer)
         if _is_plain_image(product, context.renderer)
-        # That a blank follows it is a fault of the name.
-        and not _is_written(extension_of(name).strip(), context.renderer)
+        and not _is_written(name, context.renderer)
         and not has_placeholder(extension_of(name) or name)
     )
     yield from handful(found, "products")
 
 
-def _is_written(extension: str, renderer: Renderer) -> bool:
-    plain = extension.lower()
-    if renderer.exact_extension_case and plain != extension:
-        return plain == ".exr"  # what it writes under a name that it does not know
-    return plain in renderer.extensions - renderer.unsupported_extensions
+def _is_written(name: str, renderer: Renderer) -> bool:
+    # That a blank follows it is a fault of the name.
+    extension = extension_of(name).strip()
+    if renderer.exact_extension_case and extension != extension.lower():
+        return False
+    return extension.lower() in renderer.extensions - renderer.unsupported_extensions
 
 
 def _is_plain_image(product: Product, renderer: Renderer) -> bool:
@@ -115,16 +115,24 @@ def _is_plain_image(product: Product, renderer: Renderer) -> bool:
 def _unsupported(product: Product, name: str, renderer: Renderer) -> Finding:
     extension = extension_of(name)
     known = sorted(renderer.extensions - renderer.unsupported_extensions - {""})
+    severity = None
     if not extension:
         said = f"{quoted(name)} has no extension, which tells renderers the format: some write OpenEXR, some refuse"
         help_, label = f"add one, such as {name.rstrip('.')}.exr", "no extension"
     elif extension.lower() in known:
-        said = f"'{extension}' is not '{extension.lower()}' to {renderer.title}: it writes OpenEXR under that name"
-        help_, label = f"write {name.removesuffix(extension)}{extension.lower()}", "upper case"
+        plain = extension.lower()
+        who = joined(sorted(renderer.exact_extension_case))
+        said = (
+            f"'{extension}' is not '{plain}' to {who}: it warns, and writes OpenEXR under that name"
+        )
+        help_, label = f"write {name.removesuffix(extension)}{plain}", "upper case"
+        # Then the file is what its name says, or nobody said that it is for that renderer.
+        if plain == ".exr" or who != renderer.title:
+            severity = Severity.NOTE
     else:
         said = f"'{extension}' is a format that renderers do not write: they put OpenEXR under that name, or refuse"
         help_, label = f"known are {', '.join(known)}", "no such format"
-    return Finding(product.product_name, said, label=label, help=help_)
+    return Finding(product.product_name, said, label=label, help=help_, severity=severity)
 
 
 @rule("frame-token-in-product-name", on=RenderScope, severity=Severity.NOTE, since="0.1")

@@ -259,7 +259,7 @@ def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding
     """There are products or vars and no RenderSettings that could use them."""
     # A pass says itself that its render source is missing.
     prims = [p for p in (*scope.products, *scope.vars) if p.live]
-    if not prims or scope.settings or scope.is_part or _may_be_settings(scope):
+    if not prims or scope.settings or _may_be_settings(scope):
         return
     if scope.passes and all(p.file_name.value for p in scope.passes):
         return  # the files of other applications say how to render
@@ -271,7 +271,10 @@ def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding
         above or Site(parent or first.path),
         f"{' and '.join(kinds)} prims, but no RenderSettings: no renderer reaches them",
         label="no RenderSettings here",
-        help="add a RenderSettings that lists the products, and name it as the default",
+        help="right in a layer that a shot with RenderSettings brings in"
+        if scope.is_part
+        else "add a RenderSettings that lists the products, and name it as the default",
+        severity=Severity.NOTE if scope.is_part else None,
     )
 
 
