@@ -587,3 +587,11 @@ def test_the_place_of_a_syntax_error_is_not_empty(tmp_path: Path, text: str) -> 
     assert span is not None
     assert source is not None
     assert source[span.column - 1 : span.end_column - 1]
+
+
+def test_a_class_is_no_stray_where_a_prim_of_it_is_inactive() -> None:
+    shared = (
+        'class "_Set"\n{\n    def RenderVar "w" (\n        active = false\n    )\n    {\n'
+        '        string sourceName = "albedo"\n    }\n}\n'
+    )
+    assert found(stage(world=WORLD + shared)) == []

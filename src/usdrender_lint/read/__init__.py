@@ -317,7 +317,7 @@ class _Reader:
         return Stray(
             path,
             str(prim.GetTypeName()),
-            state_of(prim),
+            State.ABSTRACT if prim.IsAbstract() else state_of(prim),  # inactive in a class, too
             Site(path, "typeName"),
             Site(str(top)),
         )

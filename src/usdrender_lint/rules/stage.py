@@ -266,6 +266,8 @@ def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding
     first = min(prims, key=lambda p: p.path)
     kinds = sorted({p.type_name for p in prims})
     above = next((s for s in scope.scopes if first.path.startswith(s.path + "/")), None)
+    if scope.is_part and above is None:
+        return  # under a name of its own it is there for shots to reference
     parent = first.path.rpartition("/")[0]
     yield Finding(
         above or Site(parent or first.path),
