@@ -53,6 +53,7 @@ LAYERS = (
     ("uses",),
     (
         "stage",
+        "packages",
         "sites",
         "reach",
         "discover",

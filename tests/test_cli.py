@@ -223,7 +223,7 @@ def test_all_missing_paths_are_told(call: Main) -> None:
         ("truncated.usdc", "truncated or damaged"),
         ("random_bytes.usd", "binary data that is not USD"),
         ("utf8_bom.usda", "byte order mark"),
-        ("malformed.usdz", "no layer in it that opens"),
+        ("malformed.usdz", "truncated or damaged"),
         ("lfs_pointer.usd", "run `git lfs pull`"),
         ("lfs_pointer.usda", "run `git lfs pull`"),
         ("lfs_pointer.usdc", "run `git lfs pull`"),

@@ -10,7 +10,7 @@ from pxr import Sdf, Usd
 from .discover import Shown
 from .locate import Locator
 from .model import Extent, Site
-from .read.packages import split_package
+from .packages import split_package
 from .read.suppressions import (
     Authored,
     authored_above,

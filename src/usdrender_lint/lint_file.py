@@ -15,9 +15,9 @@ from .ignores import Ignores
 from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
+from .packages import split_package
 from .read import read
 from .read.expressions import ill_formed_expressions
-from .read.packages import split_package
 from .read.scene import read_scene
 from .read.text import Texts
 from .read.undecodable import loaded_layers, make_decodable

@@ -8,10 +8,10 @@ from pxr import Sdf, Usd
 
 from .discover import Shown
 from .model import HasSite, Site
+from .packages import split_package
 from .printable import escaped
 from .reach import way_to
 from .read.expressions import broken_at
-from .read.packages import split_package
 from .read.text import Texts
 from .results import Located, Location, Opinion, Place, Span, Step
 from .rule import AnyRule, Finding, Renderer, Severity

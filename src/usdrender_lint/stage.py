@@ -13,7 +13,9 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
+from .discover import USD_SUFFIXES
 from .model import RENDER_TYPES, Site
+from .packages import bytes_of, first_member, split_package
 from .records import dataclass
 
 PROBE = "__probe__"
@@ -33,6 +35,10 @@ _LFS = b"version https://git-lfs.github.com/spec/v1"
 _ADDRESS = re.compile(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
 """Of a stage or a layer in memory: nobody can follow it, and it differs from run to run."""
 _HEADER = re.compile(rb"#(?:usda|sdf)\b")
+_EMPTY = "the file is empty"
+_UTF16 = (b"\xff\xfe", b"\xfe\xff", b"#\0", b"\0#")
+"""With its mark, or the first letter of a header without one."""
+_CRATE, _PACKAGE, _EMPTY_PACKAGE = b"PXR-USDC", b"PK\x03\x04", b"PK\x05\x06"
 
 
 def sentences(said: Iterable[Any]) -> list[str]:
@@ -136,7 +142,7 @@ def look(file: str) -> Unreadable | None:
     except OSError as error:
         return _cannot_be_read(file, error)
     if not head:
-        return Unreadable(file, "unreadable-file", "the file is empty")
+        return Unreadable(file, "unreadable-file", _EMPTY)
     if head.startswith(_LFS):
         return Unreadable(
             file, "lfs-pointer", "a Git LFS pointer, not the file itself: run `git lfs pull`"
@@ -147,6 +153,11 @@ def look(file: str) -> Unreadable | None:
             "unreadable-file",
             "begins with a UTF-8 byte order mark, which USD refuses: save it as UTF-8 without BOM",
         )
+    if head.startswith(_UTF16):
+        said = "UTF-16 text, which USD refuses: save it as UTF-8 without BOM"
+        return Unreadable(file, "unreadable-file", said)
+    if head.startswith(_EMPTY_PACKAGE):
+        return Unreadable(file, "unreadable-file", "a zip package without a file in it")
     return _wrong_format(file, head)
 
 
@@ -198,8 +209,13 @@ def _is_small(layer: Sdf.Layer) -> bool:
 
 def _wrong_format(file: str, head: bytes) -> Unreadable | None:
     suffix = Path(file).suffix.lower()
-    is_crate, is_package = head.startswith(b"PXR-USDC"), head.startswith(b"PK\x03\x04")
-    expected = {".usda": not (is_crate or is_package), ".usdc": is_crate, ".usdz": is_package}
+    is_crate, is_package = head.startswith(_CRATE), head.startswith(_PACKAGE)
+    expected = {
+        ".usd": not is_package,
+        ".usda": not (is_crate or is_package),
+        ".usdc": is_crate,
+        ".usdz": is_package,
+    }
     if not expected.get(suffix, True):
         found = (
             "a binary crate"
@@ -225,18 +241,8 @@ def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
     try:
         layer = Sdf.Layer.FindOrOpen(file)
     except Tf.ErrorException as error:
-        try:
-            return _why_not(file, sentences(error.args))
-        except OSError as gone:  # since it was looked at
-            return _cannot_be_read(file, gone)
-    if layer is None:
-        what = (
-            "no layer in it that opens"
-            if file.lower().endswith(".usdz")
-            else "nothing of USD in it"
-        )
-        return Unreadable(file, "unreadable-file", f"USD finds {what}")
-    return layer
+        return _refused(file, error)
+    return Unreadable(file, "unreadable-file", _missing_in(file)) if layer is None else layer
 
 
 def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
@@ -245,9 +251,20 @@ def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
         if layer := Sdf.Layer.FindOrOpen(name):
             return layer
     except Tf.ErrorException as error:
-        if problem := _not_parsed(name, sentences(error.args)):
-            return problem
+        return _refused(name, error)
     return Unreadable(name, "unreadable-file", "USD cannot open this member of the package")
+
+
+def _missing_in(file: str) -> str:
+    """Why USD finds nothing, and has no words for it."""
+    if not file.lower().endswith(".usdz"):
+        return "USD finds nothing of USD in it"
+    if first := first_member(file, None):
+        said = f"its first file is '{first}', and USD opens no other: put the root layer first"
+        return (
+            said if not first.lower().endswith(USD_SUFFIXES) else f"USD cannot open '{first}' in it"
+        )
+    return "the package is truncated or damaged"
 
 
 _AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
@@ -255,7 +272,24 @@ _NEAR = re.compile(r"(.*) at '(.*?)' in <(.*)>", re.S)
 _OF_PROPERTY = re.compile(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
 _COMPONENTS = re.compile(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
 _QUOTING = re.compile(r" due to ':\d+:\d+: .*?'")
+_PACKED = re.compile(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
+_CONFLICT = ("<<<<<<<", "=======", ">>>>>>>")
+_QUOTED = re.compile(r"\"[^\"]*\"|'[^']*'")
+_STRANGE = {
+    "\u201c": "a curly quote",
+    "\u201d": "a curly quote",
+    "\u00a0": "a no-break space",
+    "\ufeff": "a byte order mark",
+}
+"""What editors and chats put into text, and nobody sees."""
 _EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
+
+
+def _refused(file: str, error: Tf.ErrorException) -> Unreadable | ParseProblem:
+    try:
+        return _why_not(file, sentences(error.args))
+    except OSError as gone:  # since it was looked at
+        return _cannot_be_read(file, gone)
 
 
 def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
@@ -263,25 +297,37 @@ def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
     if problem := _not_parsed(file, said):
         return problem
     for text in said:
-        if match := _EXPRESSION.search(text):
-            # One in metadata: those of attributes are found in the text, each at its place.
-            said_of_it = match[3] or "something is left open"
-            told = f"ill-formed path expression '{match[1]}', at character {match[2]}: {said_of_it}"
-            return ParseProblem(file, told, *_place_of(file, match[1]))
-        if match := _OF_PROPERTY.fullmatch(text.strip()):
-            return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
-    if problem := _not_utf8(file):
-        return problem
-    if not _looks_binary(file):
-        told = "the first line is not '#usda 1.0'"
-        if _HEADER.match(Path(file).read_bytes()[:64]):
-            told = "USD cannot read this, and does not say where it stops"
-        return ParseProblem(file, told, 1, 1)
+        if match := _PACKED.search(text):
+            told = f"'{match[1]}' in it is {match[2]}, and USD reads no such file in a package"
+            return Unreadable(split_package(file)[0], "unreadable-file", told)
+    data, inside = _text_in(file)
+    if data is not None:
+        return _wrong_text(file, data, said) if data else _nothing(file, inside)
     detail = "truncated or damaged"
     for text in said:
         if "version" in text.lower():
             detail = "written by a version of USD that this one does not read"
-    return Unreadable(file, "unreadable-file", f"USD cannot open it: {detail}")
+    told = f"USD cannot open '{inside}' in it" if inside else "USD cannot open it"
+    return Unreadable(file, "unreadable-file", f"{told}: {detail}")
+
+
+def _nothing(file: str, inside: str) -> Unreadable:
+    return Unreadable(file, "unreadable-file", f"'{inside}' in it is empty" if inside else _EMPTY)
+
+
+def _wrong_text(file: str, data: bytes, said: list[str]) -> ParseProblem:
+    for text in said:
+        if match := _EXPRESSION.search(text):
+            # One in metadata: those of attributes are found in the text, each at its place.
+            said_of_it = match[3] or "something is left open"
+            told = f"ill-formed path expression '{match[1]}', at character {match[2]}: {said_of_it}"
+            return ParseProblem(file, told, *_place_of(data, match[1]))
+        if match := _OF_PROPERTY.fullmatch(text.strip()):
+            return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
+    if not data.startswith(b"#usda"):
+        return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
+    told = "USD cannot read this, and does not say where it stops"
+    return _not_utf8(file, data) or ParseProblem(file, told, 1, 1)
 
 
 def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
@@ -301,6 +347,13 @@ def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
 
 def _sentence(expected: str, near: str) -> str:
     expected = expected.strip()
+    # USD quotes the rest of the line; the first word of it is what it stumbled over.
+    word = next(iter(near.split()), "")
+    if word.startswith(_CONFLICT):
+        return f"a merge conflict is left here, found '{word[:40]}'"
+    if "until<" in expected and not word:
+        what = "an asset path" if "::At," in expected else "a string"
+        expected = f"{what} is not closed"
     if "::" in expected or "pxrInternal" in expected:  # a rule of the parser, by its C++ name
         expected = "this is no usda"
     if "simple value" in expected:
@@ -308,26 +361,23 @@ def _sentence(expected: str, near: str) -> str:
     if match := _COMPONENTS.search(expected):
         expected = f"the value has not as many components as its type, {match[1]}"
     expected = (expected[:1].lower() + expected[1:]).rstrip(".")
-    # USD quotes the rest of the line; the first word of it is what it stumbled over.
-    word = next(iter(near.split()), "")
     found = "found" if expected.startswith(("expected", "this")) else "near"
-    return f"{expected}, {found} '{word[:40]}'" if word else expected
+    told = f"{expected}, {found} '{word[:40]}'" if word else expected
+    strange = next((what for c, what in _STRANGE.items() if c in _QUOTED.sub("", near)), "")
+    return f"{told}: the line holds {strange}" if strange else told
 
 
-def _place_of(file: str, expression: str) -> tuple[int, int]:
+def _place_of(data: bytes, expression: str) -> tuple[int, int]:
     """Line and column of text that stands in quotes once; zeros if it does not."""
-    data, quoted = Path(file).read_bytes(), f'"{expression}"'.encode()
+    quoted = f'"{expression}"'.encode()
     if data.count(quoted) != 1:
         return 0, 0
     start = data.find(quoted)
     return data.count(b"\n", 0, start) + 1, start - data.rfind(b"\n", 0, start)
 
 
-def _not_utf8(file: str) -> ParseProblem | None:
-    """Where usda text holds a byte that is no UTF-8: USD's own sentence about it cannot be read."""
-    data = Path(file).read_bytes()
-    if not _HEADER.match(data):
-        return None
+def _not_utf8(file: str, data: bytes) -> ParseProblem | None:
+    """Where text holds a byte that is no UTF-8: USD's own sentence about it cannot be read."""
     try:
         data.decode()
     except UnicodeDecodeError as error:
@@ -337,10 +387,17 @@ def _not_utf8(file: str) -> ParseProblem | None:
     return None
 
 
-def _looks_binary(file: str) -> bool:
+def _text_in(name: str) -> tuple[bytes | None, str]:
+    """The text that USD tried to read, None if it is binary; and where it stands in the package
+    that was to be opened, which is its first member."""
+    file, member = split_package(name)
+    inside = ""
+    if file.lower().endswith(".usdz") and member is None:
+        member = inside = first_member(file, None) or ""
     with Path(file).open("rb") as stream:
-        head = stream.read(1024)
-    return b"\0" in head or head.startswith((b"PXR-USDC", b"PK\x03\x04"))
+        data = bytes_of(stream, member) if member else stream.read()
+    binary = data is None or b"\0" in data[:1024] or data.startswith((_CRATE, _PACKAGE))
+    return None if binary else data, inside
 
 
 def open_stage(

@@ -7,9 +7,9 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from ..model import Site
+from ..packages import bytes_of, first_member, split_package
 from ..sites import find
 from ..usda import UsdaText
-from .packages import bytes_of, first_member, split_package
 
 _BINARY = (b"PXR-USDC", b"PK\x03\x04")
 

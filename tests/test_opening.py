@@ -1,0 +1,175 @@
+"""What does not open is told as what it is, by the line, the member or the object that USD names."""
+
+from __future__ import annotations
+
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from usdrender_lint.lint import lint
+from usdrender_lint.results import Location, Report
+
+GOOD = '#usda 1.0\ndef Scope "Render"\n{\n}\n'
+ILL_FORMED = '#usda 1.0\ndef "A"\n{\n    pathExpression x = "/a["\n}\n'
+
+
+def linted(file: Path) -> Report:
+    return lint([str(file)], cwd=file.parent)
+
+
+def told(file: Path) -> tuple[str, Location]:
+    """The one finding, which is that something does not parse."""
+    report = linted(file)
+    assert report.problems == ()
+    (finding,) = report.findings
+    assert finding.rule.id == "syntax-error"
+    return finding.message, finding.location
+
+
+def refused(file: Path) -> tuple[str, str]:
+    """The one problem of what cannot be read at all: its path and what is told."""
+    report = linted(file)
+    assert report.findings == ()
+    (problem,) = report.problems
+    return problem.path, problem.message
+
+
+def package(
+    folder: Path, *members: tuple[str, bytes], compression: int = zipfile.ZIP_STORED
+) -> Path:
+    file = folder / "shot.usdz"
+    with zipfile.ZipFile(file, "w", compression) as archive:
+        for name, data in members:
+            info = zipfile.ZipInfo(name)
+            info.compress_type = compression
+            # The data of a member begins at a multiple of 64 bytes, as USD wants it.
+            header = archive.fp.tell() if archive.fp else 0
+            info.extra = (
+                b"\x86\x19" + bytes([(pad := -(header + 30 + len(name) + 4) % 64), 0]) + bytes(pad)
+            )
+            archive.writestr(info, data)
+    return file
+
+
+@pytest.mark.parametrize(
+    ("text", "message", "line"),
+    [
+        ("\n#usda 1.0\n", "the first line is not '#usda 1.0'", 1),
+        ("#USDA 1.0\n", "the first line is not '#usda 1.0'", 1),
+        ("#sdf 1.4.32\n", "the first line is not '#usda 1.0'", 1),
+        (
+            "#usda 1.0\n<<<<<<< HEAD\n",
+            "a merge conflict is left here, found '<<<<<<<'",
+            2,
+        ),
+        (
+            "#usda 1.0\ndef Scope \u201cRender\u201d {\n}\n",
+            "this is no usda, found 'def': the line holds a curly quote",
+            2,
+        ),
+        (
+            '#usda 1.0\ndef "\u201c" {\n}\n',
+            "'\u201c' is not a valid prim name, near '\"\u201c\"'",
+            2,
+        ),
+        ('#usda 1.0\ndef "A {\n}\n', "a string is not closed", 2),
+        (
+            '#usda 1.0\ndef "A" (\n    references = @x.usda\n) {\n}\n',
+            "an asset path is not closed",
+            3,
+        ),
+        ("# only a comment\n", "the first line is not '#usda 1.0'", 1),
+        (
+            '#usda 1.0\n\ndef "A"\n{\n    int2 x = (1, 2, 3)\n}\n',
+            "the value has not as many components as its type, int2",
+            5,
+        ),
+        (
+            '#usda 1.0\ndef "A" (\n    customData = {\n        pathExpression e = "/a["\n    }\n)\n{\n}\n',
+            "ill-formed path expression '/a[', at character 4: something is left open",
+            4,
+        ),
+        (
+            '#usda 1.0\ndef "A"\n{\n    int x = "a"\n}\n',
+            "expected a value of another type, found '\"a\"'",
+            4,
+        ),
+    ],
+)
+def test_text_that_does_not_parse(tmp_path: Path, text: str, message: str, line: int) -> None:
+    file = tmp_path / "main.usda"
+    file.write_text(text, "utf-8")
+    said, at = told(file)
+    assert (said, at.span and at.span.line) == (message, line)
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be"])
+def test_text_in_utf_16_is_told_as_such(tmp_path: Path, encoding: str) -> None:
+    file = tmp_path / "main.usda"
+    file.write_bytes(GOOD.encode(encoding))
+    assert "UTF-16 text" in refused(file)[1]
+
+
+@pytest.mark.parametrize(
+    ("data", "message", "line"),
+    [
+        (b'#usda 1.0\ndef "A"\n{\n  what\n}\n', "expected }, found 'what'", 4),
+        (b"#usda 1.0\n# caf\xe9\n", "the text is not UTF-8 from here on", 2),
+        (b"# a comment\n", "the first line is not '#usda 1.0'", 1),
+        (ILL_FORMED.encode(), "ill-formed path expression '/a[', at its end: something is left open", 4),
+    ],
+)  # fmt: skip
+def test_the_root_layer_of_a_package(tmp_path: Path, data: bytes, message: str, line: int) -> None:
+    said, at = told(package(tmp_path, ("main.usda", data)))
+    assert (said, at.path, at.member) == (message, "shot.usdz", "main.usda")
+    assert at.span
+    assert at.span.line == line
+
+
+def test_an_ill_formed_expression_in_a_member_that_is_sublayered(tmp_path: Path) -> None:
+    main = b"#usda 1.0\n(\n    subLayers = [@./other.usda@]\n)\n"
+    said, at = told(package(tmp_path, ("main.usda", main), ("other.usda", ILL_FORMED.encode())))
+    assert "ill-formed path expression '/a['" in said
+    assert (at.member, at.span and at.span.line) == ("other.usda", 4)
+
+
+def test_a_compressed_member_is_told_as_such(tmp_path: Path) -> None:
+    file = package(tmp_path, ("main.usda", GOOD.encode() * 9), compression=zipfile.ZIP_DEFLATED)
+    assert refused(file) == (
+        "shot.usdz",
+        "'main.usda' in it is compressed, and USD reads no such file in a package",
+    )
+
+
+def test_an_empty_member_is_told_as_such(tmp_path: Path) -> None:
+    file = package(tmp_path, ("main.usda", b""))
+    assert refused(file) == ("shot.usdz", "'main.usda' in it is empty")
+
+
+def test_a_package_that_begins_with_an_image(tmp_path: Path) -> None:
+    file = package(tmp_path, ("a.png", b"\x89PNG"), ("main.usda", GOOD.encode()))
+    assert "'a.png'" in refused(file)[1]
+
+
+def test_a_package_of_nothing(tmp_path: Path) -> None:
+    assert refused(package(tmp_path))[1] == "a zip package without a file in it"
+
+
+def test_a_package_whose_end_is_lost(tmp_path: Path) -> None:
+    file = package(tmp_path, ("main.usda", GOOD.encode()))
+    file.write_bytes(file.read_bytes()[:60])
+    assert refused(file)[1] == "the package is truncated or damaged"
+
+
+def test_a_package_with_the_name_of_a_layer(tmp_path: Path) -> None:
+    file = package(tmp_path, ("main.usda", GOOD.encode())).rename(tmp_path / "shot.usd")
+    assert refused(file)[1] == "named .usd, but holds a zip package: USD opens it by its name"
+
+
+def test_a_sublayered_member_that_is_latin_1(tmp_path: Path) -> None:
+    main = b"#usda 1.0\n(\n    subLayers = [@./other.usda@]\n)\n"
+    said, at = told(package(tmp_path, ("main.usda", main), ("other.usda", b"#usda 1.0\n# \xe9\n")))
+    assert (said, at.member) == ("the text is not UTF-8 from here on", "other.usda")
+    assert at.span
+    assert at.span.line == 2
