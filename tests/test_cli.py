@@ -475,6 +475,84 @@ def test_help_names_every_option_and_the_exit_codes(call: Main) -> None:
     assert call("-h") == run
 
 
+def test_help_is_in_sections(call: Main) -> None:
+    lines = call("--help").out.splitlines()
+    sections = [line for line in lines if re.fullmatch(r"\S.*:", line)]
+    assert sections == [f"{name}:" for name in cli._SECTIONS.values()]
+    assert cli._SECTIONS.keys() <= {param.name for param in command.params}
+    at = [lines.index(section) for section in sections]
+    assert at[0] < lines.index(next(line for line in lines if "--select RULES" in line)) < at[1]
+
+
+# Completion
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_is_told_how_to_complete(
+    shell: str, call: Main, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("_USDRENDER_LINT_COMPLETE", f"{shell}_source")
+    run = call()
+    assert run.code == 0
+    assert f"_USDRENDER_LINT_COMPLETE={shell}_complete" in run.out
+
+
+def test_a_shell_that_is_unknown_gets_nothing(call: Main, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("_USDRENDER_LINT_COMPLETE", "sh_source")
+    assert call() == Run(2, "", "Error: _USDRENDER_LINT_COMPLETE=sh_source is unknown\n")
+
+
+@pytest.mark.parametrize(
+    ("line", "completed"),
+    [
+        ("--explain missing-cam", ["plain,missing-camera"]),
+        ("--explain camer", []),
+        ("--select camer", ["plain,camera"]),
+        ("--select camera,missing-cam", ["plain,camera,missing-camera"]),
+        ("--severity missing-cam", ["plain,missing-camera="]),
+        ("--severity missing-camera=w", ["plain,missing-camera=warning"]),
+        ("--output-file re", ["file,re"]),
+        ("--fail-on e", ["plain,error"]),
+        ("--baseline x --update-b", ["plain,--update-baseline"]),
+        ("--selct x --ignore missing-cam", ["plain,missing-camera"]),
+        ("--severity nonsense sho", ["file,sho"]),
+        ("sho", ["file,sho"]),
+    ],
+)
+def test_what_is_begun_is_completed(
+    line: str, completed: list[str], call: Main, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("_USDRENDER_LINT_COMPLETE", "bash_complete")
+    monkeypatch.setenv("COMP_WORDS", f"usdrender-lint {line}")
+    monkeypatch.setenv("COMP_CWORD", str(len(line.split())))
+    run = call()
+    assert (run.code, run.err) == (0, "")
+    assert run.out.split() == completed
+
+
+@pytest.mark.skipif(os.name == "nt" or not shutil.which("bash"), reason="needs bash")
+def test_bash_completes(tmp_path: Path) -> None:
+    program = tmp_path / "usdrender-lint"
+    program.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m usdrender_lint "$@"\n')
+    program.chmod(0o755)
+    script = """
+        eval "$(_USDRENDER_LINT_COMPLETE=bash_source usdrender-lint)" &&
+        complete -p usdrender-lint >&2 &&
+        COMP_WORDS=(usdrender-lint --explain missing-cam) COMP_CWORD=2 &&
+        _usdrender_lint_completion usdrender-lint &&
+        echo "${COMPREPLY[@]}"
+    """
+    path = f"{tmp_path}{os.pathsep}{os.environ['PATH']}"
+    done = subprocess.run(
+        ["bash", "-c", script],
+        env={**os.environ, "PATH": path, "PYTHONPATH": HERE},
+        capture_output=True,
+        text=True,
+    )
+    assert "complete" in done.stderr
+    assert done.stdout == "missing-camera\n"
+
+
 def test_version(call: Main) -> None:
     assert call("--version") == Run(0, f"usdrender-lint {__version__}\n", "")
 
@@ -586,6 +664,20 @@ for line in sys.argv[1:]:
     run = python(script, *lines)
     assert run.err == ""
     assert dict(zip(lines, run.out.splitlines(), strict=True)) == lines
+
+
+def test_completion_never_imports_usd() -> None:
+    script = """
+import os, sys
+from usdrender_lint.__main__ import main
+os.environ["_USDRENDER_LINT_COMPLETE"] = "zsh_complete"
+os.environ["COMP_WORDS"], os.environ["COMP_CWORD"] = "usdrender-lint --ignore miss", "2"
+code = main([])
+print(code, *{"pxr", "rich"} & sys.modules.keys(), file=sys.stderr)
+"""
+    run = python(script)
+    assert "missing-camera" in run.out
+    assert run.err == "0\n"
 
 
 # Streams

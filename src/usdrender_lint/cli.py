@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Sequence
 from io import StringIO
@@ -36,6 +37,19 @@ if TYPE_CHECKING:
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
 PIPE_CLOSED = 141
 
+_COMPLETE = "_USDRENDER_LINT_COMPLETE"
+
+_SECTIONS = {
+    "select_": "Rules",
+    "fail_on": "What fails the run",
+    "config_file": "Configuration",
+    "exclude": "Files",
+    "jobs": "Processes",
+    "output_format": "Output",
+    "show_files": "Information",
+}
+"""Above which options `--help` says what they and the next ones are about."""
+
 _EPILOG = """\b
 Exit codes:
   0    everything was linted, and nothing at or above --fail-on was found
@@ -52,6 +66,8 @@ def run(argv: Sequence[str]) -> int:
     if sys.stdout is None:
         return _failed("Error: standard output is closed\n")
     try:
+        if asked := os.environ.get(_COMPLETE):
+            return _complete(asked)
         # Not `command.main`, which ends with 1 when a pipe is closed: that means findings here.
         with command.make_context("usdrender-lint", list(argv)) as context:
             return int(command.invoke(context))
@@ -77,6 +93,15 @@ def run(argv: Sequence[str]) -> int:
         return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
 
 
+def _complete(instruction: str) -> int:
+    """What a shell asks for when it starts, and at each press of the Tab key."""
+    from click.shell_completion import shell_complete
+
+    # What is given back is 1 for a shell that click does not know, and 1 means findings here.
+    unknown = shell_complete(command, {}, "usdrender-lint", _COMPLETE, instruction)
+    return _failed(f"Error: {_COMPLETE}={escaped(instruction)} is unknown\n") if unknown else CLEAN
+
+
 def _wrong(wrong: Wrong) -> str:
     from .report import full
 
@@ -93,6 +118,21 @@ def _failed(told: str) -> int:
 
 def _reason(error: Exception) -> str:
     return error.strerror.lower() if isinstance(error, OSError) and error.strerror else str(error)
+
+
+class Command(click.Command):
+    """A command whose options are shown in sections."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        sections: list[tuple[str, list[tuple[str, str]]]] = []
+        for param in self.get_params(ctx):
+            if isinstance(param, click.Option) and (shown := param.get_help_record(ctx)):
+                if name := _SECTIONS.get(param.name or ""):
+                    sections.append((name, []))
+                sections[-1][1].append(shown)
+        for name, options_of in sections:
+            with formatter.section(name):
+                formatter.write_dl(options_of)
 
 
 def _eager(answer: Callable[[click.Context, Any], str]) -> Callable[..., None]:
@@ -132,23 +172,26 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
 
 
 @click.command(
+    cls=Command,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 100},
     epilog=_EPILOG,
 )
-@click.argument("paths", nargs=-1, metavar="PATHS...")
+@click.argument("paths", nargs=-1, metavar="PATHS...", shell_complete=options.any_file)
 @click.option(
     "--select",
     "select_",
     multiple=True,
     metavar="RULES",
     callback=options.selectors,
-    help="Rules to run: ids, groups such as 'camera', 'default' or 'ALL', separated by commas.",
+    shell_complete=options.any_rule,
+    help="Rules to run: ids, subjects such as 'camera', 'default' or 'ALL', separated by commas.",
 )
 @click.option(
     "--extend-select",
     multiple=True,
     metavar="RULES",
     callback=options.selectors,
+    shell_complete=options.any_rule,
     help="Rules to run beside those that are selected.",
 )
 @click.option(
@@ -156,6 +199,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     multiple=True,
     metavar="RULES",
     callback=options.selectors,
+    shell_complete=options.any_rule,
     help="Rules not to report.",
 )
 @click.option(
@@ -163,7 +207,8 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     multiple=True,
     metavar="RULE=LEVEL",
     callback=options.severities,
-    help="Report a rule or group as error, warning or note, or not at all: off.",
+    shell_complete=options.any_severity,
+    help="Report a rule or subject as error, warning or note, or not at all: off.",
 )
 @click.option(
     "--renderer",
@@ -195,6 +240,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "--baseline",
     metavar="FILE",
     callback=options.baseline_file,
+    shell_complete=options.any_file,
     help="Hide the findings that this file holds.",
 )
 @click.option(
@@ -213,6 +259,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     metavar="FILE",
     envvar="USDRENDER_LINT_CONFIG",
     callback=options.config_file,
+    shell_complete=options.any_file,
     help="The configuration of all files, instead of usdrender-lint.toml or pyproject.toml in the "
     "nearest folder above each.",
 )
@@ -222,6 +269,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     multiple=True,
     metavar="PATTERN",
     callback=options.patterns,
+    shell_complete=options.any_file,
     help="Files and folders not to lint, named or found, as in .gitignore; beside those of the "
     "configuration.",
 )
@@ -233,6 +281,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
 @click.option(
     "--files-from",
     metavar="FILE",
+    shell_complete=options.any_file,
     help="Lint also the files and folders that a file names, one a line or ended by NULs; '-' is "
     "standard input.",
 )
@@ -241,36 +290,6 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     metavar="I/N",
     callback=options.shard,
     help="Lint only the I-th of N parts of the files, which other runs lint.",
-)
-@click.option(
-    "--output-format",
-    type=click.Choice(FORMATS),
-    default="full",
-    show_default=True,
-    envvar="USDRENDER_LINT_OUTPUT_FORMAT",
-    is_eager=True,
-    help="What to write to standard output.",
-)
-@click.option(
-    "--output-file",
-    multiple=True,
-    metavar="[FORMAT:]FILE",
-    callback=options.outputs,
-    help="Write a report to a file, too; its format by the prefix, else by '.sarif', '.json' "
-    "or '.xml' (junit), else as on standard output. May be given several times.",
-)
-@click.option(
-    "--statistics",
-    is_flag=True,
-    help="In 'full' and 'concise', how often each rule spoke instead of the findings.",
-)
-@click.option(
-    "--color",
-    type=click.Choice(["auto", "always", "never"]),
-    default="auto",
-    show_default=True,
-    is_eager=True,
-    help="Color on the terminal.",
 )
 @click.option(
     "-j",
@@ -288,6 +307,37 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     metavar="SECONDS",
     callback=options.seconds,
     help="How long one file may take; 0: as long as it likes.",
+)
+@click.option(
+    "--output-format",
+    type=click.Choice(FORMATS),
+    default="full",
+    show_default=True,
+    envvar="USDRENDER_LINT_OUTPUT_FORMAT",
+    is_eager=True,
+    help="What to write to standard output.",
+)
+@click.option(
+    "--output-file",
+    multiple=True,
+    metavar="[FORMAT:]FILE",
+    callback=options.outputs,
+    shell_complete=options.any_file,
+    help="Write a report to a file, too; its format by the prefix, else by '.sarif', '.json' "
+    "or '.xml' (junit), else as on standard output. May be given several times.",
+)
+@click.option(
+    "--statistics",
+    is_flag=True,
+    help="In 'full' and 'concise', how often each rule spoke instead of the findings.",
+)
+@click.option(
+    "--color",
+    type=click.Choice(["auto", "always", "never"]),
+    default="auto",
+    show_default=True,
+    is_eager=True,
+    help="Color on the terminal.",
 )
 @click.option("-q", "--quiet", is_flag=True, help="Only findings and errors, no summary.")
 @click.option(
@@ -312,6 +362,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     # Not eager: --color and --output-format have to be known, wherever they stand.
     expose_value=False,
     callback=_eager(_explain),
+    shell_complete=options.any_rule,
     help="Show the page of a rule: what it means, how to mend it.",
 )
 @click.option(

@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 from click.core import ParameterSource
@@ -15,9 +16,12 @@ from .config.find import absolute
 from .discover import USD_SUFFIXES, Shard
 from .formats import BY_SUFFIX, FORMATS
 from .patterns import PatternError, Patterns, check
-from .registry import UnknownRuleError, matching
+from .registry import UnknownRuleError, all_rules, matching
 from .rule import Severity
 from .wanted import OFF
+
+if TYPE_CHECKING:
+    from click.shell_completion import CompletionItem
 
 MOST_SECONDS = 1_000_000
 """Eleven days. Clocks of some systems count no further than 68 years."""
@@ -152,3 +156,29 @@ def seconds(ctx: click.Context, param: click.Parameter, value: float) -> float:
     if not 0 <= value <= MOST_SECONDS:
         raise click.BadParameter(f"{value} is not between 0 and {MOST_SECONDS}", ctx, param)
     return value
+
+
+def any_file(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+    """Left to the shell, which knows its files."""
+    from click.shell_completion import CompletionItem
+
+    return [CompletionItem(incomplete, type="file")]
+
+
+def any_rule(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    """Rules; where several may be named, subjects, too, and the next one after a comma."""
+    if not param.multiple:
+        return [name for name in all_rules() if name.startswith(incomplete)]
+    from .config.keys import selectors as known
+
+    before, comma, begun = incomplete.rpartition(",")
+    return [f"{before}{comma}{name}" for name in known() if name.startswith(begun)]
+
+
+def any_severity(ctx: click.Context, param: click.Parameter, incomplete: str) -> list[str]:
+    from .config.keys import selectors as known
+
+    name, equals, begun = incomplete.partition("=")
+    if not equals:
+        return [f"{one}=" for one in known() if one.startswith(name)]
+    return [f"{name}={level}" for level in (*Severity, OFF) if level.startswith(begun)]
