@@ -48,7 +48,8 @@ TOOL = (sys.executable, "-m", "usdrender_lint")
 WHOLE_OPEN = """
 import sys
 from pxr import Usd
-for prim in Usd.Stage.Open(sys.argv[1]).Traverse():
+stage = Usd.Stage.Open(sys.argv[1])
+for prim in stage.Traverse():
     pass
 """
 INFORMATION = {
