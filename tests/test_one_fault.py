@@ -595,3 +595,39 @@ def test_a_class_is_no_stray_where_a_prim_of_it_is_inactive() -> None:
         '        string sourceName = "albedo"\n    }\n}\n'
     )
     assert found(stage(world=WORLD + shared)) == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "product", "rule"),
+    [
+        ("rel product = </Render/P>", None, "misspelled-property"),
+        ('token[] products = ["/Render/P"]', None, "kind-mismatch"),
+        (None, 'token product_name = "/out/a.exr"', "misspelled-property"),
+        (None, 'string productName = "/out/a.exr"', "type-mismatch"),
+        (None, "rel productName = </World>", "kind-mismatch"),
+    ],
+)
+def test_what_a_pass_waits_for_is_told_by_its_cause(
+    settings: str | None, product: str | None, rule: str
+) -> None:
+    settings = settings or "rel products = </Render/P>"
+    product = product or 'token productName = "/out/a.exr"'
+    passes = (
+        '    def RenderPass "A"\n    {\n        rel renderSource = </Render/S>\n    }\n'
+        '    def RenderPass "B"\n    {\n        rel renderSource = </Render/S>\n'
+        "        rel inputPasses = </Render/A>\n    }\n"
+    )
+    main = stage(
+        f"rel camera = </World/cam>\n        {settings}",
+        f"{product}\n        rel orderedVars = </Render/v>",
+        more=passes,
+    )
+    assert [r for r in found(main) if r != "passes-overwrite-output"] == [rule]
+
+
+def test_a_pass_of_another_application_points_where_it_likes_whatever_type_names_its_file() -> None:
+    external = (
+        '    def RenderPass "A"\n    {\n        string fileName = "comp.nk"\n'
+        "        rel renderSource = </Write1>\n    }\n"
+    )
+    assert found(stage(more=external)) == ["type-mismatch"]

@@ -30,6 +30,7 @@ GROUP = "property"
         "default-resolution",
         "empty-product-name",
         "empty-source-name",
+        "input-pass-without-output",
         "missing-camera",
         "missing-render-source",
         "product-without-vars",
@@ -68,7 +69,12 @@ def _taking_from(prim: RenderPrim) -> Iterator[str]:
     on=RenderPrim,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=("empty-product-name", "empty-source-name", "product-without-vars"),
+    supersedes=(
+        "empty-product-name",
+        "empty-source-name",
+        "input-pass-without-output",
+        "product-without-vars",
+    ),
 )
 def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property stands on the wrong kind of render prim."""
@@ -102,7 +108,12 @@ def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
     on=RenderPrim,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=("empty-product-name", "empty-source-name", "variability-mismatch"),
+    supersedes=(
+        "empty-product-name",
+        "empty-source-name",
+        "input-pass-without-output",
+        "variability-mismatch",
+    ),
 )
 def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A schema attribute is authored with another type, so renderers do not read it."""

@@ -33,7 +33,7 @@ def _judged(prim: RenderPrim) -> Iterator[tuple[Rel, Target]]:
     """Targets that a renderer follows. A pass of an external application may point anywhere; and where
     only the first target counts, nothing depends on the others: that they are there is the fault."""
     for rel in prim.rels:
-        if rel.name == "renderSource" and isinstance(prim, Pass) and prim.file_name.value:
+        if rel.name == "renderSource" and isinstance(prim, Pass) and prim.file_name.authored:
             continue
         for target in rel.targets[: 1 if rel.name in _ONLY_FIRST else None]:
             yield rel, target
@@ -231,6 +231,7 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
         "default-resolution",
         "empty-product-name",
         "empty-source-name",
+        "input-pass-without-output",
         "missing-camera",
         "missing-render-source",
         "product-without-vars",
