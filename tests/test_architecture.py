@@ -71,7 +71,7 @@ LAYERS = (
     ),
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),
-    ("model", "printable"),
+    ("model", "printable", "handed"),
     ("records",),
 )
 """From the top; a module imports from its own line and from those below."""
@@ -196,7 +196,7 @@ def test_what_rules_and_reports_share_knows_no_file_and_no_usd(module: str) -> N
 
 
 def test_reports_are_made_of_the_report() -> None:
-    allowed = ("results", "rule", "records", "pages", "printable", "report", "report.*")
+    allowed = ("results", "rule", "records", "pages", "printable", "handed", "report", "report.*")
     strange = [
         str(i)
         for i in IMPORTS

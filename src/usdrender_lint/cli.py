@@ -286,6 +286,14 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "standard input.",
 )
 @click.option(
+    "--stdin-filename",
+    metavar="FILE",
+    callback=options.stdin_filename,
+    shell_complete=options.any_file,
+    help="The layer that '-' stands for: what it refers to is looked for beside it, and reports and "
+    "configurations know it by this name.",
+)
+@click.option(
     "--shard",
     metavar="I/N",
     callback=options.shard,
@@ -392,6 +400,7 @@ def command(
     exclude: Patterns | None,
     no_gitignore: bool,
     files_from: str | None,
+    stdin_filename: str | None,
     shard: Shard | None,
     output_format: str,
     output_file: list[tuple[str | None, Path]],
@@ -406,7 +415,8 @@ def command(
 ) -> int:
     """Tell what is wrong with the render spec of OpenUSD stages.
 
-    PATHS are files (.usd .usda .usdc .usdz) or folders to search for them.
+    PATHS are files (.usd .usda .usdc .usdz) or folders to search for them; '-' is a layer on
+    standard input.
     """
     asked = Options(
         tuple(select_) or None,
@@ -421,7 +431,7 @@ def command(
         not no_ignores,
     )
     named = options.names_from(files_from) if files_from is not None else []
-    sought = Sought([*paths, *named], exclude, no_gitignore, shard)
+    sought = _sought([*paths, *named], stdin_filename, files_from, exclude, no_gitignore, shard)
     configurations = _configurations(config_file, isolated)
     if show_config:
         from . import answers
@@ -467,6 +477,25 @@ def command(
             tell(f"Error: {error}")
     write_out(render(report, output_format, color, style))
     return exit_code(report, exit_zero) if written else INCOMPLETE
+
+
+def _sought(
+    paths: list[str],
+    stdin_filename: str | None,
+    files_from: str | None,
+    exclude: Patterns | None,
+    gitignored: bool,
+    shard: Shard | None,
+) -> Sought:
+    if "-" not in paths:
+        if stdin_filename is not None:
+            raise click.UsageError("--stdin-filename needs '-' among PATHS")
+        return Sought(paths, exclude, gitignored, shard)
+    if files_from == "-":
+        raise click.UsageError("'-' and --files-from - exclude each other")
+    given = options.from_stdin(click.get_current_context(), stdin_filename)
+    paths = [given if path == "-" else path for path in paths]
+    return Sought(paths, exclude, gitignored, shard, "" if stdin_filename else given)
 
 
 def _configurations(file: Path | None, isolated: bool) -> Configurations:

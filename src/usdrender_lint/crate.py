@@ -7,6 +7,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import BinaryIO
 
+from .handed import bytes_at
+
 _SECTION = struct.Struct("<16sqq")
 _MAX_TOKENS = 1 << 28
 
@@ -29,7 +31,7 @@ def tokens_of(file: str, most: int = _MAX_TOKENS) -> bytes | None:
     names the TOKENS section, which is zero-terminated strings under LZ4.
     """
     try:
-        with Path(file).open("rb") as stream:
+        with Path(bytes_at(file)).open("rb") as stream:
             tokens = _tokens(stream.read(88), stream, most)
     except (OSError, struct.error, IndexError, ValueError):
         return None

@@ -10,11 +10,13 @@ from pathlib import Path
 from . import gitignore
 from .config import NAME, SHARED, Configuration
 from .config.find import Configurations, absolute
+from .handed import bytes_at
 from .patterns import Patterns
 from .records import dataclass
 from .results import Problem
 
 USD_SUFFIXES = (".usd", ".usda", ".usdc", ".usdz")
+STDIN = "<stdin>"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,14 +42,21 @@ class Shown:
         self.root = Path(root or Configurations().repository(here) or here)
         self._above = str(self.root).rstrip(os.sep) + os.sep
         self._known: dict[str | Path, str] = {}
+        self._named: dict[str, str] = {}
 
     def __call__(self, path: str | Path) -> str:
         if path not in self._known:
             self._known[path] = self._spelt(path)
         return self._known[path]
 
+    def call(self, path: str, name: str) -> None:
+        """Write a path as this name."""
+        self._known[path] = self._known[Path(path)] = self._named[path] = name
+
     def below(self, path: str) -> str:
         """Of an absolute path without `..`, of which there may be a hundred thousand."""
+        if path in self._named:
+            return self._named[path]
         if path.startswith(self._above):
             return path[len(self._above) :].replace(os.sep, "/")
         return self(path)
@@ -124,7 +133,8 @@ def discover(
             found.problems.append(Problem("missing-path", "", said))
             continue
         is_folder = os.path.isdir(path)
-        if not is_folder and (problem := _no_file(path, shown)):
+        is_handed = bytes_at(path) != path
+        if not is_folder and not is_handed and (problem := _no_file(path, shown)):
             found.problems.append(problem)
             continue
         if search.excludes(path + os.sep * is_folder):
@@ -134,7 +144,8 @@ def discover(
         for file in files:
             real, target = search.real(file), Target(Path(file), shown.below(file))
             known = targets.get(real)
-            # Of several names of one file that of the file itself, and not of a link to it.
+            # Of several names of one file that of the file itself, and not of a link to it; what is
+            # handed over stands for all of them.
             if known is None or search.rank(target) < search.rank(known):
                 targets[real] = target
         if is_folder:
@@ -253,8 +264,9 @@ class _Search:
             said = "no USD file in this folder or below it"
             yield Problem("no-usd-files", shown(folder), said)
 
-    def rank(self, target: Target) -> tuple[bool, str]:
-        return str(target.file) in self._links, target.shown
+    def rank(self, target: Target) -> tuple[bool, bool, str]:
+        file = str(target.file)
+        return bytes_at(file) == file, file in self._links, target.shown
 
     def real(self, file: str) -> str:
         """By which a file is known, whatever links lead to it."""

@@ -11,6 +11,7 @@ from .concerns import Concerns
 from .context import Outline
 from .discover import Shown
 from .discover import Target as File
+from .handed import handed_over
 from .ignores import Ignores
 from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
@@ -55,7 +56,14 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
             result = _failed(file, error)
         said.collect()
     # USD composes in several threads: who speaks first is chance.
-    return replace(result, chatter=(*result.chatter, *sorted(set(said.messages))))
+    return replace(result, chatter=(*result.chatter, *sorted(set(map(_named, said.messages)))))
+
+
+def _named(said: str) -> str:
+    """With the names that people know."""
+    for file, instead in handed_over().items():
+        said = said.replace(instead, file)
+    return said
 
 
 def _failed(file: File, error: Exception) -> FileResult:
@@ -106,6 +114,10 @@ class _File:
 
     def lint(self) -> FileResult:
         before = loaded_layers()
+        # To be found by whatever brings them in.
+        handed = [open_layer(file) for file in handed_over()]
+        if self._about and not all(isinstance(one, Sdf.Layer) for one in handed):
+            return FileResult()  # what it holds is told where it is linted itself
         layer = open_layer(self._path)
         if isinstance(layer, Unreadable):
             return FileResult(problems=(self._unreadable(layer),))

@@ -13,8 +13,9 @@ import click
 from click.core import ParameterSource
 
 from .config.find import absolute
-from .discover import USD_SUFFIXES, Shard
+from .discover import STDIN, USD_SUFFIXES, Shard
 from .formats import BY_SUFFIX, FORMATS
+from .handed import handing_over
 from .patterns import PatternError, Patterns, check
 from .registry import UnknownRuleError, all_rules, matching
 from .rule import Severity
@@ -118,6 +119,23 @@ def shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Shar
     if not (slash and number.isdecimal() and of.isdecimal() and 1 <= int(number) <= int(of)):
         raise click.BadParameter(f"{value!r} is not I/N, such as 1/4", ctx, param)
     return Shard(int(number), int(of))
+
+
+def stdin_filename(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
+    if value is None:
+        return None
+    if Path(value).suffix.lower() not in USD_SUFFIXES or Path(value).is_dir():
+        raise click.BadParameter(f"{value!r} is no USD file by its name", ctx, param)
+    return absolute(value)
+
+
+def from_stdin(ctx: click.Context, name: str | None) -> str:
+    """Reads the layer that comes from standard input, until the command ends; its path."""
+    path = name or absolute(STDIN)
+    if sys.stdin is None:
+        raise click.UsageError("'-': standard input is closed", ctx)
+    ctx.with_resource(handing_over(path, sys.stdin.buffer.read()))
+    return path
 
 
 def names_from(value: str) -> list[str]:

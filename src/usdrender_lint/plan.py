@@ -8,7 +8,7 @@ from pathlib import Path
 from .config import Configuration
 from .config.find import Configurations
 from .context import stages_of
-from .discover import Found, Shard, Shown, discover, root_of
+from .discover import STDIN, Found, Shard, Shown, discover, root_of
 from .lint import Asked, Config
 from .patterns import Patterns
 from .records import dataclass
@@ -27,6 +27,8 @@ class Sought:
     """Find what git ignores, too."""
     shard: Shard | None = None
     """Lint only the part of the files that falls to this run."""
+    nameless: str = ""
+    """The path among them that stands for standard input, where nobody named a file."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +67,8 @@ class Plan:
 def seek(sought: Sought, configurations: Configurations) -> tuple[Found, Shown]:
     """`ConfigError` for a configuration that cannot be used."""
     shown = Shown(root=root_of(sought.paths, configurations))
+    if sought.nameless:
+        shown.call(sought.nameless, STDIN)
     found = discover(
         sought.paths, shown, configurations, sought.exclude, gitignored=sought.gitignored
     )

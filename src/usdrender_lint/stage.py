@@ -14,6 +14,7 @@ from typing import Any
 from pxr import Sdf, Tf, Usd
 
 from .discover import USD_SUFFIXES
+from .handed import bytes_at
 from .model import RENDER_TYPES, Site
 from .packages import bytes_of, first_member, split_package
 from .records import dataclass
@@ -135,9 +136,10 @@ def look(file: str) -> Unreadable | None:
     if not file.isascii() and file.encode(errors="replace").decode() != file:
         return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
     try:
-        if what := _no_file(Path(file).stat().st_mode):
+        at = Path(bytes_at(file))
+        if what := _no_file(at.stat().st_mode):
             return Unreadable(file, "unreadable-file", f"{what}, not a file")
-        with Path(file).open("rb") as stream:
+        with at.open("rb") as stream:
             head = stream.read(1024)
     except OSError as error:
         return _cannot_be_read(file, error)
@@ -158,6 +160,9 @@ def look(file: str) -> Unreadable | None:
         return Unreadable(file, "unreadable-file", said)
     if head.startswith(_EMPTY_PACKAGE):
         return Unreadable(file, "unreadable-file", "a zip package without a file in it")
+    if bytes_at(file) != file and head.startswith(_PACKAGE):
+        said = "a package cannot be linted from standard input"
+        return Unreadable(file, "unreadable-file", said)
     return _wrong_format(file, head)
 
 
@@ -203,7 +208,7 @@ def sublayers_of(layer: Sdf.Layer) -> tuple[list[Sdf.Layer], Unreadable | None]:
 
 def _is_small(layer: Sdf.Layer) -> bool:
     with suppress(OSError):
-        return Path(layer.realPath).stat().st_size < _SMALL
+        return Path(bytes_at(layer.realPath)).stat().st_size < _SMALL
     return False
 
 
@@ -239,10 +244,23 @@ def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
     if found := look(file):
         return found
     try:
-        layer = Sdf.Layer.FindOrOpen(file)
+        instead = bytes_at(file)
+        layer = Sdf.Layer.FindOrOpen(file) if instead == file else _in_memory(file, instead)
     except Tf.ErrorException as error:
         return _refused(file, error)
     return Unreadable(file, "unreadable-file", _missing_in(file)) if layer is None else layer
+
+
+def _in_memory(file: str, instead: str) -> Sdf.Layer | None:
+    """What `instead` holds, under the name of `file`."""
+    if found := Sdf.Layer.Find(file):
+        return found
+    read = Sdf.Layer.OpenAsAnonymous(instead)
+    if read is None:
+        return None
+    layer = Sdf.Layer.New(read.GetFileFormat(), file)
+    layer.TransferContent(read)
+    return layer
 
 
 def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
@@ -394,7 +412,7 @@ def _text_in(name: str) -> tuple[bytes | None, str]:
     inside = ""
     if file.lower().endswith(".usdz") and member is None:
         member = inside = first_member(file, None) or ""
-    with Path(file).open("rb") as stream:
+    with Path(bytes_at(file)).open("rb") as stream:
         data = bytes_of(stream, member) if member else stream.read()
     binary = data is None or b"\0" in data[:1024] or data.startswith((_CRATE, _PACKAGE))
     return None if binary else data, inside

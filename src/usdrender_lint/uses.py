@@ -16,6 +16,7 @@ from pathlib import Path
 
 from .crate import tokens_of
 from .discover import USD_SUFFIXES, RealPaths
+from .handed import bytes_at
 from .records import dataclass
 
 _ASSET = re.compile(rb"@(?=([^@\r\n]*+)@)")
@@ -121,9 +122,10 @@ class Uses:
     def _bytes_of(self, file: str) -> bytes:
         """All of a text layer, or its head if nobody asks for more."""
         try:
-            if not Path(file).is_file():  # a pipe would be waited for
+            at = Path(bytes_at(file))
+            if not at.is_file():  # a pipe would be waited for
                 return b""
-            with Path(file).open("rb") as stream:
+            with at.open("rb") as stream:
                 head = stream.read(_HEAD)
                 is_whole = not head.startswith(b"#") or (not self._wanted and _metadata_ends(head))
                 return head if is_whole else head + stream.read()

@@ -18,7 +18,7 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import field
 from pathlib import Path
@@ -26,6 +26,7 @@ from typing import Any, NoReturn, Protocol
 
 from .discover import Shown
 from .discover import Target as File
+from .handed import accept, handed_over
 from .lint import Asked, Config, FileResult, lint_here
 from .machine import cores, most_memory
 from .records import dataclass
@@ -85,9 +86,12 @@ class Order:
 @dataclass(frozen=True, slots=True)
 class Linting:
     shown: Shown
+    handed: Mapping[str, str] = field(default_factory=handed_over)
 
     def prepare(self) -> None:
         from . import lint_file  # noqa: F401 it imports USD
+
+        accept(self.handed)
 
     def __call__(self, order: Order, /) -> FileResult:
         return lint_here([(order.file, order.config)], self.shown)[0]

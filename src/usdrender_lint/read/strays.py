@@ -9,6 +9,7 @@ from pathlib import Path
 
 from pxr import Sdf, Usd
 
+from ..handed import bytes_at
 from ..stage import DamagedError
 from .crate_types import crate_types
 
@@ -32,7 +33,7 @@ def stray_paths(stage: Usd.Stage, scopes: tuple[str, ...]) -> list[str]:
 
 def _in_layer(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
     """A walk of all specs from Python costs 7 us each: most layers can be spared it."""
-    file = layer.realPath
+    file = bytes_at(layer.realPath)
     if not file or not Path(file).is_file():
         return _outside(layer, scopes)
     with Path(file).open("rb") as stream:

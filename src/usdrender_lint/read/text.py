@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pxr import Sdf, Usd
 
+from ..handed import bytes_at
 from ..model import Site
 from ..packages import bytes_of, first_member, split_package
 from ..sites import find
@@ -70,7 +71,7 @@ def text_of(name: str) -> bytes | None:
     a member of a package, also of one in a package."""
     file, member = split_package(name)
     try:
-        with Path(file).open("rb") as stream:
+        with Path(bytes_at(file)).open("rb") as stream:
             if member:
                 found = bytes_of(stream, member)
                 return None if found is None or found.startswith(_BINARY) else found

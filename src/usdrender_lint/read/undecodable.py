@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pxr import Sdf
 
+from ..handed import bytes_at
 from ..usda import UsdaText
 
 _MOST = 64 << 20
@@ -46,7 +47,7 @@ def make_decodable(besides: set[str]) -> dict[str, list[str]] | None:
 def _decodable(layer: Sdf.Layer) -> tuple[str, list[str]]:
     """The layer as text, and which prims of it hold what is replaced."""
     file = layer.realPath.partition("[")[0]
-    if Path(file).stat().st_size > _MOST:
+    if Path(bytes_at(file)).stat().st_size > _MOST:
         return "", ["/"]
     with tempfile.TemporaryDirectory() as folder:
         written = os.path.join(folder, "layer.usda")  # noqa: PTH118 USD takes a str

@@ -14,6 +14,8 @@ from collections.abc import Collection
 from itertools import accumulate
 from pathlib import Path
 
+from ..handed import bytes_at
+
 LIMIT = 8 * 1024 * 1024
 """Bytes. Text takes some 0.2 s/MB; a larger file is left to GitHub, which fills in what is absent."""
 
@@ -28,7 +30,7 @@ _UTF16 = f"utf-16-{sys.byteorder[0]}e"
 
 def file_line_hashes(file: str, wanted: Collection[int]) -> dict[int, str]:
     """Hashes of those lines of a text file; nothing for a file that cannot or need not be hashed."""
-    path = Path(file)
+    path = Path(bytes_at(file))
     try:
         if path.stat().st_size > LIMIT:
             return {}
