@@ -91,6 +91,13 @@ def package(
             4,
         ),
         (
+            '#usda 1.0\ndef "A"\n{\n    variantSet "v" = {\n        "one" {\n'
+            '            def "B"\n            {\n                rel r = <../C>\n            }\n'
+            "        }\n    }\n}\n",
+            "a target can neither hold a variant selection nor, within a variant, be relative",
+            8,
+        ),
+        (
             '#usda 1.0\ndef "A"\n{\n    int x = "a"\n}\n',
             "expected a value of another type, found '\"a\"'",
             4,

@@ -145,3 +145,10 @@ def test_without_a_render_spec_a_missing_layer_is_no_error(text: str, severity: 
     sublayers = "    subLayers = [@./no.usda@]\n)\n"
     main = text.replace(")\n", sublayers, 1) if text == META else f"(\n{sublayers}{text}"
     assert told(main) == [f"{severity} composition-error"]
+
+
+def test_a_definition_of_schemas_asks_for_those_that_only_usds_own_tools_find() -> None:
+    sublayers = "(\n    subLayers = [@usd/schema.usda@, @usdGeom/schema.usda@]\n)\n"
+    schemas = 'class RenderSettings "RenderSettings"\n{\n}\n'
+    assert told(sublayers + schemas) == ["note composition-error"] * 2
+    assert told(sublayers + scope(VARS)) == ["error composition-error"] * 2

@@ -108,6 +108,7 @@ class TestChoose:
             ),
             (Evidence(prim_names=("OmniverseKit",)), "omniverse", "prims named 'OmniverseKit'"),
             (Evidence(layer_data=("omni_layer",)), "omniverse", "layer data 'omni_layer'"),
+            (Evidence(prim_names=("LdrColor", "Vars")), "omniverse", "prims named 'LdrColor'"),
         ],
     )
     def test_by_the_traces(self, evidence: Evidence, name: str, reason: str) -> None:

@@ -235,3 +235,30 @@ def test_only_kick_names_a_file_after_the_product(renderer: str, severity: str) 
     _, (mark,) = lint_files({"main.usda": main}, renderer=renderer)
     assert (mark.rule, mark.severity) == ("empty-product-name", severity)
     assert ("kick" in mark.text) == (renderer == "arnold")
+
+
+def test_a_scene_for_ovrtx_needs_neither_settings_nor_files() -> None:
+    """It may have no other trace of Omniverse than the sources of its vars (ovrtx, "Outputs")."""
+    text = """#usda 1.0
+def "Render"
+{
+    def RenderProduct "Camera"
+    {
+        int2 resolution = (1920, 1080)
+        rel camera = </World/Camera>
+        rel orderedVars = [<LdrColor>]
+        def RenderVar "LdrColor"
+        {
+            string sourceName = "LdrColor"
+        }
+    }
+}
+def Xform "World"
+{
+    def Camera "Camera"
+    {
+    }
+}
+"""
+    _, marks = lint_files({"main.usda": text})
+    assert marks == []

@@ -378,6 +378,9 @@ def _sentence(expected: str, near: str) -> str:
         expected = "expected a value of another type"
     if match := _COMPONENTS.search(expected):
         expected = f"the value has not as many components as its type, {match[1]}"
+    if "target paths cannot contain variant selections" in expected:
+        # USD makes a relative path absolute, and then takes offence at what it made.
+        return "a target can neither hold a variant selection nor, within a variant, be relative"
     expected = (expected[:1].lower() + expected[1:]).rstrip(".")
     found = "found" if expected.startswith(("expected", "this")) else "near"
     told = f"{expected}, {found} '{word[:40]}'" if word else expected

@@ -341,6 +341,9 @@ def _how_bad(error: ArcError, scope: RenderScope) -> Severity | None:
     # Without a render spec nothing is lost for certain.
     prims = any(p.state is not State.ABSTRACT for p in scope.prims())
     has_spec = prims or scope.scopes or scope.default.opinion
+    # What defines schemas asks for those of USD, which only its own tools look for.
+    if not has_spec and error.kind == "missing-asset" and error.asset.endswith("/schema.usda"):
+        return Severity.NOTE
     return None if error.touches_spec and has_spec else Severity.WARNING
 
 
