@@ -7,7 +7,7 @@ import difflib
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from pxr import Sdf
+from pxr import Pcp, Sdf
 
 from usdrender_lint.likeness import most_alike
 from usdrender_lint.read.patterns import Op, tree
@@ -83,6 +83,25 @@ def test_groups_within_groups() -> None:
     count = 1500
     inside = "".join(f'def Scope "g{n}"\n{{\n' for n in range(count)) + "}\n" * count
     assert found(stage(inside=inside)) == []
+
+
+def test_the_children_of_one_prim_are_listed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """For each of 10,000 missing products the 10,000 that are there were."""
+    listed, listing = [], Pcp.PrimIndex.ComputePrimChildNames
+
+    def counted(index: Pcp.PrimIndex) -> object:
+        listed.append(index)
+        return listing(index)
+
+    monkeypatch.setattr(Pcp.PrimIndex, "ComputePrimChildNames", counted)
+
+    def lists(missing: int) -> int:
+        listed.clear()
+        wanted = ", ".join(f"</Render/X{n}>" for n in range(missing))
+        assert found(stage().replace("products = </Render/P>", f"products = [{wanted}]"))
+        return len(listed)
+
+    assert lists(80) == lists(40) > 0
 
 
 def test_an_expression_of_any_depth() -> None:

@@ -328,11 +328,13 @@ class Targets:
     def _widen_to_kin(self, paths: Iterable[Sdf.Path]) -> None:
         """Siblings of what is missing, its place after relocation, children of what is of the wrong type."""
         kin: list[str] = []
+        parents: dict[Sdf.Path, Usd.Prim] = {}  # of thousands that are missing most share one
         for path in paths:
             if moved := self._relocated(path.GetPrimPath()):
                 kin.append(moved)
             prim = self._nearest(path.GetPrimPath())
-            above = prim.GetPath()
+            parents.setdefault(prim.GetPath(), prim)
+        for above, prim in parents.items():
             names = prim.GetPrimIndex().ComputePrimChildNames()[0]
             if len(names) <= _MANY:
                 kin.extend(str(above.AppendChild(name)) for name in names)
