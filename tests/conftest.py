@@ -16,6 +16,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         action="store_true",
         help="rewrite marks, golden files and generated passages to what is true today",
     )
+    parser.addoption("--fuzz", type=int, metavar="N", help="inputs of each kind, for test_fuzz.py")
+    parser.addoption("--fuzz-seed", type=int, default=0, metavar="N", help="other inputs")
 
 
 @pytest.fixture
