@@ -262,3 +262,11 @@ def Xform "World"
 """
     _, marks = lint_files({"main.usda": text})
     assert marks == []
+
+
+def test_vars_of_moonray_may_name_the_file_that_their_product_does_not() -> None:
+    """As hdMoonray's own `testSuite/aov/cryptomatte` does."""
+    product = "rel orderedVars = </Render/v>"
+    var = 'token parameters:moonray:file_name = "/tmp/a.exr"'
+    _, marks = lint_files({"main.usda": stage(product=product, var=var)}, renderer="moonray")
+    assert [f"{m.severity} {m.rule}" for m in marks] == ["note empty-product-name"]
