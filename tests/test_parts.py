@@ -152,3 +152,29 @@ def test_a_definition_of_schemas_asks_for_those_that_only_usds_own_tools_find() 
     schemas = 'class RenderSettings "RenderSettings"\n{\n}\n'
     assert told(sublayers + schemas) == ["note composition-error"] * 2
     assert told(sublayers + scope(VARS)) == ["error composition-error"] * 2
+
+
+def typed(name: str, inside: str) -> str:
+    return f'over Render{name} "{name}"\n{{\n{inside}\n}}\n'
+
+
+@pytest.mark.parametrize(
+    ("override", "rules"),
+    [
+        (typed("Settings", "uniform int2 resolutoin = (9, 5)"), ["error misspelled-property"]),
+        (typed("Settings", "uniform float2 resolution = (9, 5)"), ["error type-mismatch"]),
+        (typed("Settings", "uniform int2 resolution = (0, 5)"), ["error invalid-resolution"]),
+        (typed("Settings", 'string camera = "/cam"'), ["error kind-mismatch"]),
+        (typed("Product", "rel products = </Render/P>"), ["error misplaced-property"]),
+        (typed("Var", 'uniform token dataType = "rgb"'), ["error unknown-data-type"]),
+        # What depends on other layers is theirs to tell.
+        (typed("Settings", "rel camera = </World/other>"), []),
+        (typed("Product", "uniform int2 resolution = (9, 5)"), []),
+        (typed("Var", 'uniform string sourceName = "C<RD>L"'), []),
+        (over("S", "uniform int2 resolutoin = (9, 5)\n"), []),  # of whatever type
+    ],
+)
+def test_an_override_that_says_its_type_is_judged_by_what_it_says(
+    override: str, rules: list[str]
+) -> None:
+    assert told(over("Render", override)) == rules

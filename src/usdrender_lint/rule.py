@@ -138,6 +138,8 @@ class Rule(Generic[S]):
     """Speaks only where the stage is judged by one of these; empty: everywhere."""
     supersedes: tuple[str, ...] = ()
     """Rules whose findings at or below the same object only repeat this one's cause."""
+    by_itself: bool = False
+    """It judges one opinion, whatever other layers say: so, too, in a layer of mere overrides."""
 
     @property
     def needs_scene(self) -> bool:
@@ -155,6 +157,7 @@ def rule(
     group: str = "",
     renderers: tuple[str, ...] = (),
     supersedes: tuple[str, ...] = (),
+    by_itself: bool = False,
 ) -> Callable[[Callable[[S, Context], Iterator[Finding]]], Rule[S]]:
     """Turn a function into a `Rule`. Nothing is registered: see `registry`."""
 
@@ -171,6 +174,7 @@ def rule(
             default,
             renderers,
             supersedes,
+            by_itself,
         )
 
     return decorate

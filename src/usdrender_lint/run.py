@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from .model import Camera, Layer, RenderPrim, RenderScope, Scene, Suppressions
+from .model import Camera, Layer, RenderPrim, RenderScope, Scene, State, Suppressions
 from .records import dataclass
 from .rule import AnyRule, Context, Finding
 
@@ -30,11 +30,13 @@ Subject = RenderScope | RenderPrim | Camera | Layer | Scene | Suppressions
 
 
 def subjects_of(scope: RenderScope) -> Iterator[Subject]:
-    """The scope as a whole, and every live render prim: nobody renders the others."""
+    """The scope as a whole, and every live render prim: nobody renders the others. In a layer of mere
+    overrides also those that say their type: whoever defines them gets what stands there."""
     yield scope
     shared: set[str] = set()
     for prim in scope.prims():
-        if prim.live and prim.prototype not in shared:
+        is_override = scope.only_overrides and prim.state is State.OVER
+        if (prim.live or is_override) and prim.prototype not in shared:
             yield prim
         if prim.prototype:  # what instances share is judged once, at the first of them
             shared.add(prim.prototype)
@@ -52,6 +54,8 @@ def run(
         if rule.on not in of_type:
             of_type[rule.on] = [s for s in everything if isinstance(s, rule.on)]
         for subject in of_type[rule.on]:
+            if isinstance(subject, RenderPrim) and not subject.live and not rule.by_itself:
+                continue
             try:
                 for finding in rule.check(subject, context):
                     told.append(Told(rule, finding))

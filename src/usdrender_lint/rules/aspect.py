@@ -25,7 +25,9 @@ POLICIES = (
 )
 
 
-@rule("unknown-aspect-policy", on=SettingsBase, severity=Severity.ERROR, since="0.1")
+@rule(
+    "unknown-aspect-policy", on=SettingsBase, severity=Severity.ERROR, since="0.1", by_itself=True
+)
 def unknown_aspect_policy(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """`aspectRatioConformPolicy` holds a word that USD does not know."""
     attr = prim.aspect_ratio_conform_policy
@@ -48,6 +50,7 @@ def unknown_aspect_policy(prim: SettingsBase, context: Context) -> Iterator[Find
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("ignored-pixel-aspect-ratio",),
+    by_itself=True,
 )
 def invalid_pixel_aspect_ratio(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The pixel aspect ratio is no number above 0."""

@@ -36,7 +36,7 @@ _VALUE_TYPES = (
 )  # fmt: skip
 
 
-@rule("unknown-data-type", on=Var, severity=Severity.ERROR, since="0.1")
+@rule("unknown-data-type", on=Var, severity=Severity.ERROR, since="0.1", by_itself=True)
 def unknown_data_type(var: Var, context: Context) -> Iterator[Finding]:
     """`dataType` names no value type of USD."""
     kind = var.data_type

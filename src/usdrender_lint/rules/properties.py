@@ -36,6 +36,7 @@ GROUP = "property"
         "product-without-vars",
         "settings-without-products",
     ),
+    by_itself=True,
 )
 def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property is nearly, but not quite, one of the schema's."""
@@ -75,6 +76,7 @@ def _taking_from(prim: RenderPrim) -> Iterator[str]:
         "input-pass-without-output",
         "product-without-vars",
     ),
+    by_itself=True,
 )
 def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property stands on the wrong kind of render prim."""
@@ -114,6 +116,7 @@ def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
         "input-pass-without-output",
         "variability-mismatch",
     ),
+    by_itself=True,
 )
 def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A schema attribute is authored with another type, so renderers do not read it."""

@@ -25,6 +25,7 @@ MATERIAL_PURPOSES = ("full", "preview")
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("default-purpose-omitted", "render-purpose-omitted"),
+    by_itself=True,
 )
 def unknown_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """`includedPurposes` holds a word that is no purpose."""
@@ -71,7 +72,9 @@ def proxy_with_render(settings: Settings, context: Context) -> Iterator[Finding]
         )
 
 
-@rule("unknown-material-purpose", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "unknown-material-purpose", on=Settings, severity=Severity.WARNING, since="0.1", by_itself=True
+)
 def unknown_material_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """`materialBindingPurposes` holds a word that is not one of the schema's."""
     known = (*MATERIAL_PURPOSES, *ALL_PURPOSE)

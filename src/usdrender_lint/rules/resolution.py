@@ -28,6 +28,7 @@ _HUGE, _TINY = 16384, 16
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("blocked-value",),
+    by_itself=True,
 )
 def invalid_resolution(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The resolution has no pixels."""

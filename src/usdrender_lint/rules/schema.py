@@ -84,6 +84,7 @@ def removed_schema(scope: RenderScope, context: Context) -> Iterator[Finding]:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("collection-mode-portability",),
+    by_itself=True,
 )
 def disallowed_token(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A token is none that the schema allows."""

@@ -238,6 +238,7 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
         "settings-without-products",
         "unresolved-target",
     ),
+    by_itself=True,
 )
 def kind_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A relationship is authored as an attribute, or an attribute as a relationship."""

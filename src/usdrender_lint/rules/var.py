@@ -60,12 +60,7 @@ def _without_source(var: Var) -> Finding:
     )
 
 
-@rule(
-    "unknown-source-type",
-    on=Var,
-    severity=Severity.ERROR,
-    since="0.1",
-)
+@rule("unknown-source-type", on=Var, severity=Severity.ERROR, since="0.1", by_itself=True)
 def unknown_source_type(var: Var, context: Context) -> Iterator[Finding]:
     """`sourceType` is none of the schema's."""
     kind = var.source_type
