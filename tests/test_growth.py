@@ -85,6 +85,25 @@ def test_groups_within_groups() -> None:
     assert found(stage(inside=inside)) == []
 
 
+def test_groups_within_groups_spell_out_few_paths(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each takes as long as it is deep: of 8,000 within each other 2 s, five times over."""
+    spelt, spell = [], Sdf.Path.__str__
+
+    def counted(path: Sdf.Path) -> str:
+        spelt.append(path)
+        return spell(path)
+
+    monkeypatch.setattr(Sdf.Path, "__str__", counted)
+
+    def spells(depth: int) -> int:
+        spelt.clear()
+        groups = "".join(f'def Scope "g{n}"\n{{\n' for n in range(depth)) + "}\n" * depth
+        assert found(stage(inside=groups)) == []
+        return len(spelt)
+
+    assert spells(60) == spells(20)
+
+
 def test_the_children_of_one_prim_are_listed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """For each of 10,000 missing products the 10,000 that are there were."""
     listed, listing = [], Pcp.PrimIndex.ComputePrimChildNames

@@ -89,6 +89,7 @@ class _Reader:
         self._texts = texts
         self._products: dict[str, Product] = {}
         self._vars: dict[str, Var] = {}
+        self._paths: dict[Sdf.Path, str] = {}
 
     def scope(self, strays: list[str]) -> RenderScope:
         prims = {str(p.GetPath()): p for p in render_prims(self._opened)}
@@ -249,20 +250,20 @@ class _Reader:
         for prim in in_scopes(self._opened):
             if is_render_prim(prim):
                 continue
-            path = str(prim.GetPath())
+            path = self._path_of(prim)
             yield ScopePrim(
                 path,
                 str(prim.GetTypeName()),
                 state_of(prim),
                 Site(path),
-                _state_site(prim),
+                _state_site(prim, path),
                 definitions.hold(prim),
                 self._failures.hiding(path),
             )
 
     def _others(self) -> Iterator[OtherPrim]:
         for prim in in_scopes(self._opened):
-            if not is_render_prim(prim) and str(prim.GetPath()) not in self._opened.scopes:
+            if not is_render_prim(prim) and self._path_of(prim) not in self._opened.scopes:
                 yield self._other(prim)
 
     def _misspelt(self, strays: list[str]) -> Iterator[OtherPrim]:
@@ -272,17 +273,26 @@ class _Reader:
                 yield self._other(prim)
 
     def _other(self, prim: Usd.Prim) -> OtherPrim:
-        path = str(prim.GetPath())
+        path = self._path_of(prim)
         return OtherPrim(
             path,
             str(prim.GetTypeName()),
             state_of(prim),
             type_is_known(prim),
             Site(path),
-            read_properties(Asked(prim)),
+            read_properties(Asked(prim, path)),
             self._failures.hiding(path) is not None,
             _content(prim),
         )
+
+    def _path_of(self, prim: Usd.Prim) -> str:
+        """USD spells a path out name by name each time: here it is that of the prim above, and one
+        name more."""
+        path = prim.GetPath()
+        if path not in self._paths:
+            above = self._paths.get(path.GetParentPath())
+            self._paths[path] = f"{above}/{path.name}" if above else str(path)
+        return self._paths[path]
 
     def _topmost(self, wanted: Callable[[Usd.Prim], bool]) -> Iterator[Site]:
         last = Sdf.Path.emptyPath
@@ -295,13 +305,12 @@ class _Reader:
 
     def _missing_variants(self) -> Iterator[VariantChoice]:
         for prim in in_scopes(self._opened):
-            path = str(prim.GetPath())
-            if prim.IsInstanceProxy() or self._failures.hiding(path):
-                continue
             selections: dict[str, str] = {}
-            for spec in prim.GetPrimStack():
+            for spec in prim.GetPrimStack() if not prim.IsInstanceProxy() else ():
                 for name, selection in spec.variantSelections.items():
                     selections.setdefault(str(name), str(selection))
+            if not selections or self._failures.hiding(path := self._path_of(prim)):
+                continue
             sets = prim.GetVariantSets()
             for name, selection in sorted(selections.items()):
                 choices = tuple(sets.GetVariantSet(name).GetVariantNames())
@@ -336,8 +345,8 @@ def _effective(product: Attr[T], settings: Attr[T]) -> Attr[T]:
     return product if product.authored else settings
 
 
-def _state_site(prim: Usd.Prim) -> Site:
-    path, state = str(prim.GetPath()), state_of(prim)
+def _state_site(prim: Usd.Prim, path: str) -> Site:
+    state = state_of(prim)
     if state is State.INACTIVE:
         return Site(path, "active")
     for spec in prim.GetPrimStack() if state is State.ABSTRACT else ():

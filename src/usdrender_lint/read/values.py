@@ -67,9 +67,9 @@ _schemas: dict[tuple[str, ...], Schema] = {}
 class Asked:
     """A prim, and what every question about its properties begins with."""
 
-    def __init__(self, prim: Usd.Prim) -> None:
+    def __init__(self, prim: Usd.Prim, path: str = "") -> None:
         self.prim = prim
-        self.path = str(prim.GetPath())
+        self.path = path or str(prim.GetPath())
         self.authored = dict.fromkeys(prim.GetAuthoredPropertyNames())
         """Names, in the order of USD."""
         info = prim.GetPrimTypeInfo()
