@@ -90,3 +90,26 @@ def test_a_backslash_is_no_such_byte(tmp_path: Path) -> None:
     report = linted(crate(tmp_path, text))
     (problem,) = report.problems
     assert "</Render/v>" not in problem.message
+
+
+def test_what_usd_prints_and_leaves_out(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """In a dictionary nothing is raised."""
+    data = 'customLayerData = { dictionary usdrenderLint = { string[] ignore = ["QQQQ"] } }'
+    text = SPEC.replace("\n)\n", f"\n    {data}\n)\n").replace("/out/QQQQ", "/out/a")
+    (problem,) = linted(crate(tmp_path, text)).problems
+    assert problem.kind == "undecodable-text"
+    assert "in the metadata of the layer" in problem.message
+    assert "UnicodeDecodeError" not in capfd.readouterr().err
+
+
+def test_a_name_that_is_not_utf_8(tmp_path: Path) -> None:
+    """It cannot be replaced in text: nothing is linted, and that is told."""
+    file, written = tmp_path / "main.usdc", tmp_path / "text.usda"
+    written.write_text(SPEC, "utf-8")
+    assert Sdf.Layer.FindOrOpen(str(written)).Export(str(file))
+    before = file.read_bytes()
+    file.write_bytes(before.replace(b"ttingsPrim", b"\xe9tingsPrim"))
+    assert file.read_bytes() != before
+    (problem,) = linted(file).problems
+    assert problem.kind == "undecodable-text"
+    assert "nothing of it was linted" in problem.message

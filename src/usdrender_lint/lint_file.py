@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import sys
 from collections.abc import Iterator
+from contextlib import redirect_stderr
 from dataclasses import replace
+from io import StringIO
 
 from pxr import Sdf, Tf, Usd
 
@@ -47,6 +51,10 @@ MOST_VARIANTS = 64
 """Selections that `--variants` lints of one stage, beside the composed one."""
 
 
+_DAMAGED = re.compile(r"Corrupt asset|Failed verification|[Uu]npack")
+"""What USD says where a layer opens and its values or names make no sense."""
+
+
 def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
     """Open, read, run, settle and locate; nothing of USD outlives the call."""
     with Diagnostics() as said:
@@ -70,7 +78,7 @@ def _failed(file: File, error: Exception) -> FileResult:
     if isinstance(error, DamagedError):
         said = f"USD opens it, and it is damaged: {error}"
         return FileResult(problems=(Problem("unreadable-file", file.shown, said),))
-    if isinstance(error, UnicodeDecodeError):
+    if isinstance(error, (UnicodeDecodeError, UndecodableError)):
         said = "holds text that is not UTF-8, or one of its layers does: nothing of it was linted"
         return FileResult(problems=(Problem("undecodable-text", file.shown, said),))
     if isinstance(error, MemoryError):
@@ -82,6 +90,10 @@ def _failed(file: File, error: Exception) -> FileResult:
 
     where = "".join(traceback.format_exception(error))
     return FileResult(problems=(Problem("crashed-lint", file.shown, message),), chatter=(where,))
+
+
+class UndecodableError(Exception):
+    """A layer holds text that is not UTF-8, and cannot be read without it."""
 
 
 @dataclass(slots=True)
@@ -124,15 +136,30 @@ class _File:
         if isinstance(layer, ParseProblem):
             guilty = ill_formed_expressions(self._texts, self._path) or [_as_layer(layer)]
             return self._without_stage(guilty, [layer])
-        try:
-            return self._composed(layer)
-        except UnicodeDecodeError:
-            undecodable = make_decodable(before)
-            if undecodable is None:
-                raise
-            result = self._composed(layer)
+        result = self._decoded(layer)
+        if result is not None:
+            return result
+        undecodable = make_decodable(before)
+        if undecodable is None:
+            raise UndecodableError
+        result = self._composed(layer)
         problems = (self._undecodable(file, at) for file, at in undecodable.items())
         return replace(result, problems=(*result.problems, *problems))
+
+    def _decoded(self, layer: Sdf.Layer) -> FileResult | None:
+        """None if it holds text that is not UTF-8: that is raised, or printed by USD's Python where
+        it stands in a dictionary or an array, which then lacks it."""
+        printed = StringIO()
+        try:
+            with redirect_stderr(printed):
+                result = self._composed(layer)
+        except UnicodeDecodeError:
+            return None
+        if UnicodeDecodeError.__name__ in printed.getvalue():
+            return None
+        if sys.stderr is not None:
+            sys.stderr.write(printed.getvalue())
+        return result
 
     def _composed(self, layer: Sdf.Layer) -> FileResult:
         _held, endless = sublayers_of(layer)
@@ -227,6 +254,13 @@ class _File:
         if guilty:
             return self._without_stage(guilty, [])
         said = "; ".join(sorted(set(sentences(error.args))))
+        if _DAMAGED.search(said):
+            damaged = Unreadable(
+                self._path,
+                "unreadable-file",
+                "USD opens it, and it is damaged, or a layer that it uses is",
+            )
+            return FileResult(problems=(self._unreadable(damaged),))
         message = f"USD cannot open the stage: {said}"
         return FileResult(problems=(Problem("unopened-stage", self._root, message),))
 

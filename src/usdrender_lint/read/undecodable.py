@@ -11,7 +11,7 @@ import re
 import tempfile
 from pathlib import Path
 
-from pxr import Sdf
+from pxr import Sdf, Tf
 
 from ..handed import bytes_at
 from ..usda import UsdaText
@@ -38,10 +38,18 @@ def make_decodable(besides: set[str]) -> dict[str, list[str]] | None:
             continue
         text, places = _decodable(layer)
         if places:
-            if layer.identifier in besides or not layer.ImportFromString(text):
+            if layer.identifier in besides or not _takes(layer, text):
                 return None
             found[layer.realPath] = places
     return found or None
+
+
+def _takes(layer: Sdf.Layer, text: str) -> bool:
+    """A name that is not UTF-8 is no name with a replacement character, either."""
+    try:
+        return bool(layer.ImportFromString(text))
+    except Tf.ErrorException:
+        return False
 
 
 def _decodable(layer: Sdf.Layer) -> tuple[str, list[str]]:

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from pxr import Sdf, Usd, Vt
 
 from ..model import RENDER_TYPES, Attr, Property, Site, ValueState
+from ..stage import DamagedError
 
 T = TypeVar("T")
 
@@ -212,6 +213,8 @@ def _read_property(asked: Asked, name: str) -> Property:
         return Property(name, Site(path), is_relationship=False)
     stack = asked.prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
     wanted_rel = schema.is_relationship(name)
+    if not stack:
+        raise DamagedError("it lists a property that is not there")
     spec = stack[0]  # decides whether USD takes it for a relationship
     if is_schema and not isinstance(spec, Sdf.RelationshipSpec):
         valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))
