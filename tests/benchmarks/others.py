@@ -1,6 +1,6 @@
 """How many of the mistakes on the rules' pages do other checkers of USD tell?
 
-    python tests/benchmarks/others.py [--nvidia PATH/TO/nvidia_usd_validate]
+    python tests/benchmarks/others.py [--nvidia PATH/TO/nvidia_usd_validate] [--update-readme]
 
 Of each page the first bad and the first good scene are shown to each of them. A mistake counts as
 told if it says of the bad scene anything at all that it does not say of the good one.
@@ -9,9 +9,9 @@ told if it says of the bad scene anything at all that it does not say of the goo
 from __future__ import annotations
 
 import argparse
+import json
 import re
 import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -25,6 +25,11 @@ from usdrender_lint.stage import Diagnostics
 from usdrender_lint.testing import files_of, lint_files, renderer_of
 
 Checker = Callable[[Path], set[str]]
+
+README = Path(__file__).resolve().parents[2] / "README.md"
+TABLE = re.compile(
+    r"(<!-- written by tests/benchmarks/others.py -->\n).*?(<!-- until here -->)", re.S
+)
 
 
 def scenes(folder: Path) -> Iterator[tuple[str, Path, Path]]:
@@ -67,13 +72,35 @@ CONTEXT = UsdValidation.ValidationContext(
 )
 
 
+NVIDIA = """
+import json, sys
+from usd_validation_nvidia import ValidationEngine
+for line in sys.stdin:
+    found = ValidationEngine().validate(line.rstrip()).issues()
+    told = [f"{issue.rule and issue.rule.__name__} {issue.message}" for issue in found]
+    print(json.dumps(told), flush=True)
+"""
+"""What its program does, without a start of half a second for each scene."""
+
+
 def nvidia(program: str) -> Checker:
+    python = str(Path(program).with_name("python"))
+    running = subprocess.Popen(
+        [python, "-c", NVIDIA], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+
     def check(main: Path) -> set[str]:
-        done = subprocess.run([program, str(main)], capture_output=True, text=True)
-        said = f"{done.stdout}\n{done.stderr}"
-        return {line for line in said.splitlines() if re.search(r"\[\w+\]|Error", line)}
+        assert running.stdin
+        assert running.stdout
+        print(main, file=running.stdin, flush=True)
+        return set(json.loads(running.stdout.readline()))
 
     return check
+
+
+def nvidia_version(program: str) -> str:
+    done = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    return done.stdout.split()[-1]
 
 
 def ours(rule_id: str, main: Path) -> set[str]:
@@ -90,14 +117,19 @@ def ours(rule_id: str, main: Path) -> set[str]:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--nvidia", metavar="PROGRAM")
+    parser.add_argument("--update-readme", action="store_true", help="write the table into it")
     options = parser.parse_args()
+    if options.update_readme and not options.nvidia:
+        parser.error("--update-readme needs --nvidia")
+    usd = f"usd-core {'.'.join(map(str, Usd.GetVersion()[1:]))}"
     checkers: dict[str, Checker] = {
-        f"usd-core {'.'.join(map(str, Usd.GetVersion()[1:]))}, opening the stage": opening,
-        "its validators, as usdchecker runs them": openusd,
+        f"{usd}, opening the stage": opening,
+        f"{usd}, the validators of `usdchecker`": openusd,
     }
     if options.nvidia:
-        checkers["usd-validation-nvidia"] = nvidia(options.nvidia)
-    told: dict[str, list[str]] = {name: [] for name in (*checkers, "us")}
+        checkers[f"usd-validation-nvidia {nvidia_version(options.nvidia)}"] = nvidia(options.nvidia)
+    ourselves = f"usdrender-lint {__version__}"
+    told: dict[str, list[str]] = {name: [] for name in (ourselves, *checkers)}
     count = 0
     with tempfile.TemporaryDirectory() as made:
         for rule_id, bad, good in scenes(Path(made)):
@@ -107,11 +139,16 @@ def main() -> None:
                 if {text.replace(str(bad.parent), "") for text in check(bad)} - clean:
                     told[name].append(rule_id)
             if ours(rule_id, bad) and not ours(rule_id, good):
-                told["us"].append(rule_id)
-    print(f"usdrender-lint {__version__}, {count} mistakes, Python {sys.version.split()[0]}")
+                told[ourselves].append(rule_id)
+    lines = [f"| checker | tells, of {count} mistakes | which |", "|---|---:|---|"]
     for name, rules in told.items():
-        few = f": {', '.join(rules)}" if len(rules) < 20 else ""
-        print(f"{len(rules):4}  {name}{few}")
+        which = "all" if len(rules) == count else ", ".join(rules)
+        lines.append(f"| {name} | {len(rules)} | {which} |")
+    table = "\n".join([*lines, ""])
+    print(table, end="")
+    if options.update_readme:
+        text = README.read_text("utf-8")
+        README.write_text(TABLE.sub(lambda m: m[1] + table + m[2], text), "utf-8")
 
 
 if __name__ == "__main__":
