@@ -5,8 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from pxr import Sdf, Usd
 
+from usdrender_lint import stage
 from usdrender_lint.lint import Config, lint
+from usdrender_lint.read import scene
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.results import Report
 
@@ -131,6 +134,54 @@ def test_what_is_right_is_met_with_silence(tmp_path: Path) -> None:
 def test_a_binding_for_all_purposes_is_what_everybody_falls_back_on(tmp_path: Path) -> None:
     text = STAGE.replace("material:binding:full", "material:binding")
     assert messages(lint_text(tmp_path, text, "unshaded-by-purpose")) == {}
+
+
+def test_a_material_for_each_purpose_asked_for_may_come_from_further_up(tmp_path: Path) -> None:
+    inside = 'def Sphere "head"\n        {\n'
+    text = STAGE.replace(
+        inside, f"{inside}            rel material:binding:preview = </World/mtl>\n"
+    )
+    found = messages(lint_text(tmp_path, text, "unshaded-by-purpose"))
+    assert "1 gprim will be unshaded" in found["unshaded-by-purpose"]
+
+
+@pytest.mark.parametrize("name", ["full:collection", "collection", "collection:full:chars"])
+def test_what_does_not_bind_a_material_for_a_purpose_is_no_binding(
+    name: str, tmp_path: Path
+) -> None:
+    text = STAGE.replace("material:binding:full", f"material:binding:{name}")
+    assert messages(lint_text(tmp_path, text, "unshaded-by-purpose")) == {}
+
+
+def test_the_words_of_a_crate_are_unpacked_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    crate = tmp_path / "main.usdc"
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    assert layer.ImportFromString(STAGE)
+    assert layer.Export(str(crate))
+    unpacked: list[str] = []
+    tokens_of = scene.tokens_of
+    monkeypatch.setattr(scene, "tokens_of", lambda f: (unpacked.append(f), tokens_of(f))[1])
+    report = lint([str(crate)], Config(select(SCENE_RULES)), cwd=tmp_path)
+    assert {f.rule.id for f in report.findings} >= {"hidden-render-geometry", "unknown-primvar"}
+    assert unpacked == [str(crate)]
+
+
+def test_only_the_first_prim_of_a_type_is_asked_whether_it_is_of_the_render_spec(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    built = Usd.Stage.CreateInMemory()
+    for number in range(100):
+        built.DefinePrim(f"/World/ball_{number}", "Sphere")
+        built.DefinePrim(f"/Render/var_{number}", "RenderVar")
+    asked: list[str] = []
+    kinds_of = stage.kinds_of
+    monkeypatch.setattr(
+        stage, "kinds_of", lambda p: (asked.append(p.GetTypeName()), kinds_of(p))[1]
+    )
+    assert len(stage.render_prims(stage.Opened(built, ("/Render",)))) == 100
+    assert asked.count("Sphere") == 1
 
 
 def test_masked_and_whole_say_the_same(tmp_path: Path) -> None:

@@ -532,9 +532,22 @@ def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Pat
 def render_prims(opened: Opened) -> list[Usd.Prim]:
     """Every prim of a render type that is populated, in the scopes or elsewhere, whatever its state."""
     if opened.render_prims is None:
-        tops = opened.stage.GetPseudoRoot().GetAllChildren()
-        opened.render_prims = [p for top in tops for p in all_below(top) if is_render_prim(p)]
+        opened.render_prims = [*_render_prims(opened.stage)]
     return opened.render_prims
+
+
+def _render_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    # There may be a million prims of a few types: only the first of each is asked what it is.
+    others: set[str] = set()
+    for top in stage.GetPseudoRoot().GetAllChildren():
+        for prim in all_below(top):
+            name = prim.GetTypeName()
+            if name in others:
+                continue
+            if is_render_prim(prim):
+                yield prim
+            else:
+                others.add(name)
 
 
 def in_scopes(opened: Opened) -> list[Usd.Prim]:

@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import field
+from functools import cache
 
 from pxr import Sdf, Usd
 
-from ..crate import mentions
+from ..crate import tokens_of
 from ..model import (
     BindingUse,
     Pass,
@@ -46,15 +47,17 @@ _BINDING = "material:binding"
 
 def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
     """`stage` is opened whole."""
-    words = _Words(stage)
+    primvars = {v.source_name.value for v in scope.vars if v.source_type.value == "primvar"}
+    asked = ("purpose", _BINDING, *_LIGHT_SCHEMAS, *map(_primvar, primvars))
+    words = _Words(stage, asked)
     walked = _walk(stage, words)
     return Scene(
         scope.root,
         Site("/"),
         scope,
-        tuple(walked.purposes.values()),
-        tuple(walked.bindings.values()),
-        frozenset(_primvars(scope, words)),
+        tuple(PurposeUse(p, seen.count, _site(seen)) for p, seen in walked.purposes.items()),
+        tuple(BindingUse(b, seen.count, _site(seen)) for b, seen in walked.bindings.items()),
+        frozenset(name for name in primvars if words.mention(_primvar(name))),
         tuple(_pass_views(stage, scope, walked)),
         tuple(
             opinion_of(layer, counts=False)
@@ -65,60 +68,89 @@ def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
 
 
 class _Words:
-    """Which words the layers of a stage mention."""
+    """Which words the layers of a stage mention: each layer is looked through once for all of them."""
 
-    def __init__(self, stage: Usd.Stage) -> None:
+    def __init__(self, stage: Usd.Stage, asked: Iterable[str]) -> None:
         layers = [layer for layer in stage.GetUsedLayers() if not layer.empty]
-        self._files = sorted({layer.realPath for layer in layers})
+        missing, self._mentioned = {*asked}, set[str]()
+        for file in sorted({layer.realPath for layer in layers}):
+            if missing:
+                self._mentioned.update(_mentioned(file, missing))
+                missing -= self._mentioned
 
-    def mention(self, word: str) -> bool:
-        """False only if no layer can hold it."""
-        return any(self._in_file(file, word.encode()) for file in self._files)
+    def mention(self, *words: str) -> bool:
+        """False only if no layer can hold any of them."""
+        return not self._mentioned.isdisjoint(words)
 
-    def _in_file(self, file: str, word: bytes) -> bool:
-        if not file:
-            return True
-        text = text_of(file)
-        if text is not None:
-            return word in text
-        return mentions(file, [word], whole=False) is not False
+
+def _mentioned(file: str, words: set[str]) -> Iterable[str]:
+    text = text_of(file) if file else None
+    if text is not None:
+        return [word for word in words if word.encode() in text]
+    tokens = tokens_of(file) if file else None
+    if tokens is None:  # nobody knows
+        return words
+    return [word for word in words if b"\0" + word.encode() in tokens]
+
+
+@dataclass(slots=True)
+class _Seen:
+    """How many there are, and the first of them."""
+
+    first: Sdf.Path
+    count: int = 0
 
 
 @dataclass(slots=True)
 class _Walked:
-    purposes: dict[str, PurposeUse] = field(default_factory=dict)
-    bindings: dict[frozenset[str], BindingUse] = field(default_factory=dict)
+    purposes: dict[str, _Seen] = field(default_factory=dict)
+    bindings: dict[frozenset[str], _Seen] = field(default_factory=dict)
     lights: list[Sdf.Path] = field(default_factory=list)
     geometry: list[Sdf.Path] = field(default_factory=list)
 
 
+_UNBOUND = frozenset[str]()
+_DEEPEST = 4095
+
+
 def _walk(stage: Usd.Stage, words: _Words) -> _Walked:
+    """Asks a prim as little as it can: every question takes several times as long as the step from
+    one prim to the next."""
     found = _Walked()
-    purposes, bindings = words.mention("purpose"), words.mention(_BINDING)
+    inherits = words.mention("purpose", _BINDING)
+    lit = words.mention(*_LIGHT_SCHEMAS)
     kinds: dict[str, str] = {}
     # What is inherited, by depth: the purpose, and the purposes that materials are bound for.
-    purpose_above: list[str] = [""] * 4096
-    bound_above: list[frozenset[str]] = [frozenset()] * 4096
+    purpose_above = [""] * (_DEEPEST + 1)
+    bound_above = [_UNBOUND] * (_DEEPEST + 1)
+    purpose, bound = "", _UNBOUND
     for prim in stage.Traverse():
-        depth = prim.GetPath().pathElementCount
-        if depth >= 4095:
-            continue
-        purpose_above[depth] = purpose_above[depth - 1]
-        bound_above[depth] = bound_above[depth - 1]
-        if purposes and (own := _own_purpose(prim)):
-            purpose_above[depth] = purpose_above[depth - 1] or own
-        if bindings:
-            bound_above[depth] = bound_above[depth - 1].union(_bound_for(prim))
-        name = prim.GetTypeName()
-        kind = kinds.get(name)
+        path = prim.GetPath()
+        if inherits:
+            depth = path.pathElementCount
+            if depth >= _DEEPEST:
+                continue
+            purpose, bound = purpose_above[depth - 1], bound_above[depth - 1]
+            for name in prim.GetAuthoredPropertyNames():
+                if name == "purpose":
+                    purpose = purpose or _own_purpose(prim)
+                elif name.startswith(_BINDING) and not _bound_for(name) <= bound:
+                    relationship = prim.GetRelationship(name)
+                    if relationship and relationship.HasAuthoredTargets():
+                        bound |= _bound_for(name)
+            purpose_above[depth], bound_above[depth] = purpose, bound
+        type_name = prim.GetTypeName()
+        kind = kinds.get(type_name)
         if kind is None:
-            kind = kinds[name] = _kind(prim, name)
-        if kind == "light" or (kind == "geometry" and _is_light(prim)):
-            found.lights.append(prim.GetPath())
+            kind = kinds[type_name] = _kind(prim, type_name)
+        if kind == "light" or (lit and kind == "geometry" and _is_light(prim)):
+            found.lights.append(path)
         if kind == "geometry":
-            path = prim.GetPath()
             found.geometry.append(path)
-            _count(found, path, purpose_above[depth] or "default", bound_above[depth])
+            if inherits:
+                found.purposes.setdefault(purpose or "default", _Seen(path)).count += 1
+                if bound:
+                    found.bindings.setdefault(bound, _Seen(path)).count += 1
     return found
 
 
@@ -134,35 +166,25 @@ def _is_light(prim: Usd.Prim) -> bool:
 
 def _own_purpose(prim: Usd.Prim) -> str:
     attribute = prim.GetAttribute("purpose")
-    value = attribute.Get() if attribute and attribute.IsAuthored() else None
+    value = attribute.Get() if attribute else None
     return str(value) if value and value != "default" else ""
 
 
-def _bound_for(prim: Usd.Prim) -> Iterator[str]:
-    for relationship in prim.GetAuthoredRelationships():
-        name = relationship.GetName()
-        if name == _BINDING or (name.startswith(_BINDING + ":") and name.count(":") == 2):
-            purpose = name.removeprefix(_BINDING).lstrip(":")
-            if purpose != "collection" and relationship.HasAuthoredTargets():
-                yield purpose
+@cache
+def _bound_for(name: str) -> frozenset[str]:
+    """The purpose that a relationship of this name binds materials for; none if it does not."""
+    purpose = name.removeprefix(_BINDING).removeprefix(":")
+    binds = name in (_BINDING, f"{_BINDING}:{purpose}") and ":" not in purpose
+    return frozenset([purpose]) if binds and purpose != "collection" else _UNBOUND
 
 
-def _count(found: _Walked, path: Sdf.Path, purpose: str, bound: frozenset[str]) -> None:
-    known = found.purposes.get(purpose)
-    first = known.first if known else Site(str(path))
-    found.purposes[purpose] = PurposeUse(purpose, (known.count if known else 0) + 1, first)
-    if bound:
-        use = found.bindings.get(bound)
-        first = use.first if use else Site(str(path))
-        found.bindings[bound] = BindingUse(bound, (use.count if use else 0) + 1, first)
+def _site(seen: _Seen) -> Site:
+    return Site(str(seen.first))
 
 
-def _primvars(scope: RenderScope, words: _Words) -> Iterator[str]:
-    """The primvars that vars ask for and some layer mentions."""
-    asked = {v.source_name.value for v in scope.vars if v.source_type.value == "primvar"}
-    for name in asked:
-        if words.mention(f"primvars:{name.removeprefix('primvars:')}"):
-            yield name
+def _primvar(name: str) -> str:
+    """As layers write it."""
+    return f"primvars:{name.removeprefix('primvars:')}"
 
 
 def _pass_views(stage: Usd.Stage, scope: RenderScope, walked: _Walked) -> Iterator[PassView]:

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pxr import Pcp, Sdf, Tf, Usd
 
 from ..likeness import most_alike
-from ..model import Candidate, Clobbered, Lost, Rel, Site, State, Target
+from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
 from ..sites import listed, node_of, out_of_namespace_of
 from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
@@ -369,14 +369,21 @@ class Targets:
             str(p.GetPath()): Candidate(
                 str(p.GetPath()), str(p.GetTypeName()), Site(str(p.GetPath()))
             )
-            for p in self._opened.stage.TraverseAll()
-            if p.GetTypeName() and p.IsA(expected) and state_of(p) is State.LIVE
+            for p in self._of_type(expected)
+            if state_of(p) is State.LIVE
         }
         if expected == "Camera":
             for layer in self._stage.GetLayerStack(includeSessionLayers=False):
                 for path in _camera_specs(layer):
                     found.setdefault(path, Candidate(path, "Camera", Site(path)))
         return found.values()
+
+    def _of_type(self, expected: str) -> Iterable[Usd.Prim]:
+        if expected in RENDER_TYPES:
+            prims = (p for p in render_prims(self._opened) if not p.IsInstanceProxy())
+        else:
+            prims = self._opened.stage.TraverseAll()
+        return (p for p in prims if expected in kinds_of(p))
 
 
 class _Census:
