@@ -17,6 +17,7 @@ from ..model import (
 )
 from ..rule import Context, Finding, Severity, rule
 from ._collections import UNSEEN
+from ._handful import handful
 from ._words import SIMILAR, joined, paths
 
 GROUP = "collection"
@@ -83,8 +84,9 @@ def unresolved_member(render_pass: Pass, context: Context) -> Iterator[Finding]:
             if member.state in (State.MISSING, State.OVER)
         ]
         missing.sort(key=lambda pair: _topmost(pair[0]))
-        for top, group in groupby(missing, key=lambda pair: _topmost(pair[0])):
-            yield _missing(list(group), top, render_pass)
+        groups = groupby(missing, key=lambda pair: _topmost(pair[0]))
+        told = (_missing(list(group), top, render_pass) for top, group in groups)
+        yield from handful(told, f"members of '{found.name}'")
 
 
 def _named(found: Collection) -> Iterator[tuple[Member, str]]:
