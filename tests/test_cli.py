@@ -386,6 +386,7 @@ def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
         ("--renderer nobody x.usda", "unknown renderer 'nobody'"),
         ("--explain missing-camra", "did you mean 'missing-camera'?"),
         ("--explain ../README", "unknown rule '../README'"),
+        ("--explain camera", "'camera' is a subject, and each of its rules has a page"),
     ],
 )
 def test_an_option_that_has_no_effect_is_an_error(args: str, told: str, call: Main) -> None:

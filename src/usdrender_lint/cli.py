@@ -150,9 +150,10 @@ def _eager(answer: Callable[[click.Context, Any], str]) -> Callable[..., None]:
 
 def _explain(ctx: click.Context, rule_id: str) -> str:
     if rule_id not in all_rules():
-        raise click.BadParameter(
-            str(UnknownRuleError(rule_id, all_rules())), param_hint="--explain"
-        )
+        told = str(UnknownRuleError(rule_id, all_rules()))
+        if rule_id in {rule.group for rule in all_rules().values()}:
+            told = f"{rule_id!r} is a subject, and each of its rules has a page; see --list-rules"
+        raise click.BadParameter(told, param_hint="'--explain'")
     from .report import catalogue, explain
 
     if ctx.params.get("output_format") == "json":

@@ -39,6 +39,22 @@ def _pattern_fault(value: str) -> str | None:
     return None
 
 
+def _entry_fault(name: str) -> str | None:
+    """TOML takes a key below the header of a table for an entry of that table."""
+    return f"'{name}' is a key: write it above the first table" if name in KEYS else None
+
+
+def _entry_rule_fault(value: str) -> str | None:
+    told = _rule_fault(value)
+    return told and (_entry_fault(value) or told)
+
+
+def _entry_pattern_fault(value: str) -> str | None:
+    if told := _entry_fault(value):
+        return f"{told}; a folder of that name is '{value}/'"
+    return _pattern_fault(value)
+
+
 def _root_fault(value: str) -> str | None:
     parts = value.replace("\\", "/").split("/")
     if not value.strip():
@@ -72,6 +88,8 @@ def _version_fault(value: str) -> str | None:
 RULE = Word("a rule", _rule_fault, selectors)
 RULES = ListOf(RULE, "rules")
 PATTERN = Word("a pattern of paths", _pattern_fault)
+ENTRY_RULE = Word("a rule", _entry_rule_fault, selectors)
+ENTRY_PATTERN = Word("a pattern of paths", _entry_pattern_fault)
 PATTERNS = ListOf(PATTERN, "patterns of paths")
 FILE = Word("the path of a file", _file_fault)
 
@@ -134,7 +152,7 @@ KEYS = {
         ),
         Key(
             "severity",
-            TableOf(RULE, one_of(lambda: list(LEVELS), "a level"), "rules and levels"),
+            TableOf(ENTRY_RULE, one_of(lambda: list(LEVELS), "a level"), "rules and levels"),
             {},
             "Rules or subjects to report as `error`, `warning` or `note`, or not at all: `off`. "
             "An id stands above its subject.",
@@ -143,7 +161,7 @@ KEYS = {
         ),
         Key(
             "per-file-ignores",
-            TableOf(PATTERN, RULES, "patterns of paths and lists of rules"),
+            TableOf(ENTRY_PATTERN, RULES, "patterns of paths and lists of rules"),
             {},
             "Rules not to report of the layers that a pattern matches.",
             '{ "assets/**" = ["default-settings-unset"] }',
