@@ -1,11 +1,12 @@
 """What the Markdown files show is what the program does today.
 
 A generated passage stands between `<!-- generated: NAME -->` and `<!-- end -->`, where NAME is one
-of `PASSAGES`, or a command line after `$`, or `source RULE`. `pytest --update` rewrites them all.
+of `PASSAGES`, or a command line after `$`, or `source RULE`, or `modules NAMES`. `pytest --update` rewrites them all.
 """
 
 from __future__ import annotations
 
+import ast
 import inspect
 import json
 import os
@@ -109,6 +110,18 @@ def source(rule_id: str) -> str:
     return f"```python\n{inspect.getsource(all_rules()[rule_id].check)}```\n"
 
 
+def modules(named: str) -> str:
+    """What each of them says that it answers; as seen from `.github`."""
+    lines = ["| module | question |", "|---|---|"]
+    for name in named.split():
+        folder = ROOT / "src" / "usdrender_lint" / name
+        file = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
+        text = ast.get_docstring(ast.parse(file.read_text("utf-8"))) or ""
+        path = (folder if folder.is_dir() else file).relative_to(ROOT).as_posix()
+        lines.append(f"| [{name}](../{path}) | {cell(text.partition(chr(10))[0])} |")
+    return "\n".join([*lines, ""])
+
+
 def configuration_mistakes() -> str:
     told = (ROOT / "tests" / "configurations" / "readme" / "told.txt").read_text("utf-8")
     return f"```text\n{told}```\n"
@@ -164,6 +177,8 @@ def passage(
         kind, _, rest = name.partition(" ")
         if kind == "$":
             return output(rest)
+        if kind == "modules":
+            return modules(rest)
         return source(rest) if kind == "source" else PASSAGES[name]()
 
     return write
