@@ -20,6 +20,8 @@ SOURCE = ROOT / "src" / PACKAGE
 
 OUTSIDE = {
     "pxr": (
+        "diagnostics",
+        "opening",
         "stage",
         "sites",
         "reach",
@@ -52,6 +54,8 @@ LAYERS = (
     ("context",),
     ("uses",),
     (
+        "diagnostics",
+        "opening",
         "stage",
         "packages",
         "sites",

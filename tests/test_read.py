@@ -11,6 +11,7 @@ import pytest
 from pxr import Sdf, Usd
 
 from usdrender_lint.crate import mentions
+from usdrender_lint.diagnostics import Diagnostics
 from usdrender_lint.model import (
     Attr,
     Candidate,
@@ -21,11 +22,12 @@ from usdrender_lint.model import (
     ValueState,
     Var,
 )
+from usdrender_lint.opening import open_layer
 from usdrender_lint.read import read
 from usdrender_lint.read.text import Texts
 from usdrender_lint.renderers import choose
 from usdrender_lint.run import subjects_of
-from usdrender_lint.stage import Diagnostics, Opened, open_layer, open_stage
+from usdrender_lint.stage import Opened, open_stage
 
 Layers = dict[str, str]
 Read = Callable[..., RenderScope]

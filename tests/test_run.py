@@ -21,13 +21,14 @@ from usdrender_lint.model import (
     Site,
     Var,
 )
+from usdrender_lint.opening import open_layer
 from usdrender_lint.read import read
 from usdrender_lint.read.text import Texts
 from usdrender_lint.registry import select
 from usdrender_lint.renderers import renderer
 from usdrender_lint.rule import Context, Finding, Severity, rule
 from usdrender_lint.run import run, subjects_of
-from usdrender_lint.stage import open_layer, open_stage
+from usdrender_lint.stage import open_stage
 from usdrender_lint.testing import BASE, HEADER, lint_files
 
 CONTEXT = Context(renderer("any"))

@@ -15,11 +15,11 @@ from conftest import ROOT
 from usdrender_lint import usda_scan
 from usdrender_lint.__main__ import main
 from usdrender_lint.lint import Config, lint
+from usdrender_lint.opening import open_layer
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.report import sarif
 from usdrender_lint.results import Report, Verdict
 from usdrender_lint.rule import Finding, Severity
-from usdrender_lint.stage import open_layer
 from usdrender_lint.suppress import is_about_suppressions
 from usdrender_lint.testing import BASE, HEADER
 from usdrender_lint.usda import UsdaText

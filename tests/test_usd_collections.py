@@ -14,12 +14,14 @@ from typing import Any
 import pytest
 from pxr import Sdf, Tf, Usd
 
+from usdrender_lint.diagnostics import Diagnostics, sentences
 from usdrender_lint.model import Collection, Gives, Pattern, PredicateState, RenderScope, State
+from usdrender_lint.opening import open_layer
 from usdrender_lint.read import read
 from usdrender_lint.read.patterns import Parsed, tree
 from usdrender_lint.read.predicates import means_groups, read_predicates
 from usdrender_lint.read.text import Texts
-from usdrender_lint.stage import Diagnostics, Opened, open_layer, open_stage, sentences
+from usdrender_lint.stage import Opened, open_stage
 
 WORLD = """
 def Xform "World" (

@@ -534,7 +534,7 @@ def test_a_pipe_that_is_found_too_late_costs_its_file_only() -> None:
 
 @posix
 def test_a_file_that_vanishes_on_the_way_is_no_bug(monkeypatch: pytest.MonkeyPatch) -> None:
-    from usdrender_lint import stage
+    from usdrender_lint import opening
 
     file = Path("gone.usda")
     file.write_text("#usda 1.0\ndef\n")
@@ -542,7 +542,7 @@ def test_a_file_that_vanishes_on_the_way_is_no_bug(monkeypatch: pytest.MonkeyPat
     def looked(name: str) -> None:
         Path(name).unlink()
 
-    monkeypatch.setattr(stage, "look", looked)
+    monkeypatch.setattr(opening, "look", looked)
     problems = lint(["gone.usda"]).problems
     assert [(p.kind, "bug" in p.message) for p in problems] == [("unreadable-file", False)]
 

@@ -13,6 +13,7 @@ from pxr import Sdf, Tf, Usd
 
 from .concerns import Concerns
 from .context import Outline
+from .diagnostics import Diagnostics, sentences
 from .discover import Shown
 from .discover import Target as File
 from .handed import handed_over
@@ -20,6 +21,7 @@ from .ignores import Ignores
 from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
+from .opening import DamagedError, ParseProblem, Unreadable, open_layer, sublayers_of
 from .packages import split_package
 from .read import read
 from .read.expressions import ill_formed_expressions
@@ -33,17 +35,7 @@ from .results import Located, Problem, RendererChoice
 from .rule import Context, Renderer, Severity
 from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
-from .stage import (
-    DamagedError,
-    Diagnostics,
-    Opened,
-    ParseProblem,
-    Unreadable,
-    open_layer,
-    open_stage,
-    sentences,
-    sublayers_of,
-)
+from .stage import Opened, open_stage
 from .suppress import is_about_suppressions
 from .variants import Outcome, merge_outcomes
 

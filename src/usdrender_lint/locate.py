@@ -8,6 +8,7 @@ from pxr import Sdf, Usd
 
 from .discover import Shown
 from .model import HasSite, Site
+from .opening import ParseProblem
 from .packages import split_package
 from .printable import escaped
 from .reach import way_to
@@ -17,7 +18,6 @@ from .results import Located, Location, Opinion, Place, Span, Step
 from .rule import AnyRule, Finding, Renderer, Severity
 from .run import Told
 from .sites import Spot, Translation, find, into_layer
-from .stage import ParseProblem
 
 _HEAD, _TAIL = 60, 30
 _LONG = re.compile(r"'([^']{120,})'")

@@ -19,9 +19,9 @@ from pathlib import Path
 from pxr import Usd, UsdValidation
 
 from usdrender_lint import __version__
+from usdrender_lint.diagnostics import Diagnostics
 from usdrender_lint.pages import pages, parse
 from usdrender_lint.registry import all_rules
-from usdrender_lint.stage import Diagnostics
 from usdrender_lint.testing import files_of, lint_files, renderer_of
 
 Checker = Callable[[Path], set[str]]

@@ -27,14 +27,7 @@ from ..model import (
     Var,
     VariantChoice,
 )
-from ..stage import (
-    Opened,
-    in_scopes,
-    is_render_prim,
-    kinds_of,
-    render_prims,
-    widen_to_targets,
-)
+from ..stage import Opened, in_scopes, is_render_prim, kinds_of, render_prims, widen_to_targets
 from .arcs import Failures
 from .cameras import read_cameras
 from .collections import read_collections

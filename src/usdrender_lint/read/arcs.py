@@ -11,8 +11,9 @@ from pxr import Pcp, Sdf, Usd
 
 from ..discover import USD_SUFFIXES
 from ..model import ArcError, Site
+from ..opening import ParseProblem, Unreadable, open_layer, open_member
 from ..records import dataclass
-from ..stage import Opened, ParseProblem, Unreadable, open_layer, open_member
+from ..stage import Opened
 from .cycles import cycle_of_arcs, cycle_of_sublayers, spelt
 
 _ARC_FIELDS = (("reference", "referenceList", "references"), ("payload", "payloadList", "payload"))

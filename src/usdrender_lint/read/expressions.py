@@ -11,8 +11,8 @@ import re
 
 from pxr import Sdf, Tf
 
+from ..diagnostics import sentences
 from ..model import Layer, Site
-from ..stage import sentences
 from .text import Texts
 
 _AT = re.compile(r"at character (\d+)(?: \(.*?\))?:\s*(.*)", re.DOTALL)

@@ -7,7 +7,8 @@ import re
 from pxr import Sdf, Tf, Usd
 
 from ..model import Rel, Site, State, Target
-from ..stage import kinds_of, open_layer
+from ..opening import open_layer
+from ..stage import kinds_of
 from .targets import state_of
 
 _USD = frozenset({".usd", ".usda", ".usdc", ".usdz"})

@@ -10,7 +10,7 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from ..handed import bytes_at
-from ..stage import DamagedError
+from ..opening import DamagedError
 from .crate_types import crate_types
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"

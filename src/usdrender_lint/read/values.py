@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from pxr import Sdf, Usd, Vt
 
 from ..model import RENDER_TYPES, Attr, Property, Site, ValueState
-from ..stage import DamagedError
+from ..opening import DamagedError
 
 T = TypeVar("T")
 

@@ -1,0 +1,348 @@
+"""Does a file open as a layer, and if not, why not? In a sentence for the one who wrote it."""
+
+from __future__ import annotations
+
+import re
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from pxr import Sdf, Tf
+
+from .diagnostics import sentences
+from .discover import USD_SUFFIXES
+from .handed import bytes_at
+from .model import Site
+from .packages import bytes_of, first_member, split_package
+from .records import dataclass
+
+_FOLDER = "a folder"
+_SMALL = 1_000_000
+"""Bytes of a layer in which all asset paths are found in no time."""
+
+_LFS = b"version https://git-lfs.github.com/spec/v1"
+_HEADER = re.compile(rb"#(?:usda|sdf)\b")
+_EMPTY = "the file is empty"
+_UTF16 = (b"\xff\xfe", b"\xfe\xff", b"#\0", b"\0#")
+"""With its mark, or the first letter of a header without one."""
+_CRATE, _PACKAGE, _EMPTY_PACKAGE = b"PXR-USDC", b"PK\x03\x04", b"PK\x05\x06"
+
+
+@dataclass(frozen=True, slots=True)
+class ParseProblem:
+    """Why the text of a layer is no usda. `column` counts bytes from 1, as USD does; 0 where only an
+    expression is known to be wrong and its place has to be found in the text."""
+
+    file: str
+    message: str
+    line: int = 0
+    column: int = 0
+    spec: str | None = None
+    """The property that cannot be read, where no line is told."""
+    asked: Site | None = None
+    """The arc that brings the layer in; of a root layer there is none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Unreadable:
+    """Why a file is no layer at all. Not a finding: nothing of it could be looked at."""
+
+    file: str
+    kind: str
+    message: str
+    asked_by: str | None = None
+    """File of the layer that brings it in."""
+
+
+class DamagedError(Exception):
+    """A layer opens, and what it holds does not hang together: a spec is listed and not there."""
+
+
+def look(file: str) -> Unreadable | None:
+    """What the first bytes tell before USD is asked; its own messages differ by extension."""
+    if not file.isascii() and file.encode(errors="replace").decode() != file:
+        return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
+    try:
+        at = Path(bytes_at(file))
+        if what := _no_file(at.stat().st_mode):
+            return Unreadable(file, "unreadable-file", f"{what}, not a file")
+        with at.open("rb") as stream:
+            head = stream.read(1024)
+    except OSError as error:
+        return _cannot_be_read(file, error)
+    if not head:
+        return Unreadable(file, "unreadable-file", _EMPTY)
+    if head.startswith(_LFS):
+        return Unreadable(
+            file, "lfs-pointer", "a Git LFS pointer, not the file itself: run `git lfs pull`"
+        )
+    if head.startswith(b"\xef\xbb\xbf"):
+        return Unreadable(
+            file,
+            "unreadable-file",
+            "begins with a UTF-8 byte order mark, which USD refuses: save it as UTF-8 without BOM",
+        )
+    if head.startswith(_UTF16):
+        said = "UTF-16 text, which USD refuses: save it as UTF-8 without BOM"
+        return Unreadable(file, "unreadable-file", said)
+    if head.startswith(_EMPTY_PACKAGE):
+        return Unreadable(file, "unreadable-file", "a zip package without a file in it")
+    if bytes_at(file) != file and head.startswith(_PACKAGE):
+        said = "a package cannot be linted from standard input"
+        return Unreadable(file, "unreadable-file", said)
+    return _wrong_format(file, head)
+
+
+def _cannot_be_read(file: str, error: OSError) -> Unreadable:
+    reason = (error.strerror or str(error)).lower()
+    return Unreadable(file, "unreadable-file", f"cannot be read: {reason}")
+
+
+def _no_file(mode: int) -> str | None:
+    """What stands where a file should. Opening a pipe is waiting for somebody who writes into it;
+    a device may have no end, or do something."""
+    if stat.S_ISREG(mode):
+        return None
+    kinds = {stat.S_IFDIR: _FOLDER, stat.S_IFIFO: "a named pipe", stat.S_IFSOCK: "a socket"}
+    return kinds.get(stat.S_IFMT(mode), "a device")
+
+
+def sublayers_of(layer: Sdf.Layer) -> tuple[list[Sdf.Layer], Unreadable | None]:
+    """All layers below, to be held until the stage is open, which needs them, too; and a pipe or
+    device that is brought in, for which USD would wait forever.
+
+    What lies behind references is not looked at: it is opened only where the render spec needs it.
+    """
+    held, known = [layer], {layer.identifier}
+    for one in held:
+        sublayers = {one.ComputeAbsolutePath(name) for name in one.subLayerPaths}
+        others = one.GetCompositionAssetDependencies() if _is_small(one) else []
+        for file in sorted(sublayers.union(map(one.ComputeAbsolutePath, others)) - known):
+            known.add(file)
+            try:
+                what = _no_file(Path(file).stat().st_mode)
+            except (OSError, ValueError):  # told where it is missed
+                continue
+            if what not in (None, _FOLDER):
+                return held, Unreadable(
+                    file, "unreadable-file", f"{what}, not a file", one.realPath
+                )
+            with suppress(Tf.ErrorException):
+                if file in sublayers and (found := Sdf.Layer.FindOrOpen(file)):
+                    held.append(found)
+    return held, None
+
+
+def _is_small(layer: Sdf.Layer) -> bool:
+    with suppress(OSError):
+        return Path(bytes_at(layer.realPath)).stat().st_size < _SMALL
+    return False
+
+
+def _wrong_format(file: str, head: bytes) -> Unreadable | None:
+    suffix = Path(file).suffix.lower()
+    is_crate, is_package = head.startswith(_CRATE), head.startswith(_PACKAGE)
+    expected = {
+        ".usd": not is_package,
+        ".usda": not (is_crate or is_package),
+        ".usdc": is_crate,
+        ".usdz": is_package,
+    }
+    if not expected.get(suffix, True):
+        found = (
+            "a binary crate"
+            if is_crate
+            else "a zip package"
+            if is_package
+            else "usda text"
+            if _HEADER.match(head)
+            else "something else"
+        )
+        return Unreadable(
+            file, "unreadable-file", f"named {suffix}, but holds {found}: USD opens it by its name"
+        )
+    if not (is_crate or is_package) and b"\0" in head:
+        return Unreadable(file, "unreadable-file", "binary data that is not USD")
+    return None
+
+
+def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
+    """The layer, or why there is none."""
+    if found := look(file):
+        return found
+    try:
+        instead = bytes_at(file)
+        layer = Sdf.Layer.FindOrOpen(file) if instead == file else _in_memory(file, instead)
+    except Tf.ErrorException as error:
+        return _refused(file, error)
+    return Unreadable(file, "unreadable-file", _missing_in(file)) if layer is None else layer
+
+
+def _in_memory(file: str, instead: str) -> Sdf.Layer | None:
+    """What `instead` holds, under the name of `file`."""
+    if found := Sdf.Layer.Find(file):
+        return found
+    read = Sdf.Layer.OpenAsAnonymous(instead)
+    if read is None:
+        return None
+    layer = Sdf.Layer.New(read.GetFileFormat(), file)
+    layer.TransferContent(read)
+    return layer
+
+
+def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
+    """A layer inside a package, or why there is none. `name` is `package.usdz[member]`."""
+    try:
+        if layer := Sdf.Layer.FindOrOpen(name):
+            return layer
+    except Tf.ErrorException as error:
+        return _refused(name, error)
+    return Unreadable(name, "unreadable-file", "USD cannot open this member of the package")
+
+
+def _missing_in(file: str) -> str:
+    """Why USD finds nothing, and has no words for it."""
+    if not file.lower().endswith(".usdz"):
+        return "USD finds nothing of USD in it"
+    if first := first_member(file, None):
+        said = f"its first file is '{first}', and USD opens no other: put the root layer first"
+        return (
+            said if not first.lower().endswith(USD_SUFFIXES) else f"USD cannot open '{first}' in it"
+        )
+    return "the package is truncated or damaged"
+
+
+_AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
+_NEAR = re.compile(r"(.*) at '(.*?)' in <(.*)>", re.S)
+_OF_PROPERTY = re.compile(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
+_COMPONENTS = re.compile(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
+_QUOTING = re.compile(r" due to ':\d+:\d+: .*?'")
+_PACKED = re.compile(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
+_CONFLICT = ("<<<<<<<", "=======", ">>>>>>>")
+_QUOTED = re.compile(r"\"[^\"]*\"|'[^']*'")
+_STRANGE = {
+    "\u201c": "a curly quote",
+    "\u201d": "a curly quote",
+    "\u00a0": "a no-break space",
+    "\ufeff": "a byte order mark",
+}
+"""What editors and chats put into text, and nobody sees."""
+_EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
+
+
+def _refused(file: str, error: Tf.ErrorException) -> Unreadable | ParseProblem:
+    try:
+        return _why_not(file, sentences(error.args))
+    except OSError as gone:  # since it was looked at
+        return _cannot_be_read(file, gone)
+
+
+def _why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
+    """USD's sentences hold C++ names and temporary paths: the facts in them, in other words."""
+    if problem := _not_parsed(file, said):
+        return problem
+    for text in said:
+        if match := _PACKED.search(text):
+            told = f"'{match[1]}' in it is {match[2]}, and USD reads no such file in a package"
+            return Unreadable(split_package(file)[0], "unreadable-file", told)
+    data, inside = _text_in(file)
+    if data is not None:
+        return _wrong_text(file, data, said) if data else _nothing(file, inside)
+    detail = "truncated or damaged"
+    for text in said:
+        if "version" in text.lower():
+            detail = "written by a version of USD that this one does not read"
+    told = f"USD cannot open '{inside}' in it" if inside else "USD cannot open it"
+    return Unreadable(file, "unreadable-file", f"{told}: {detail}")
+
+
+def _nothing(file: str, inside: str) -> Unreadable:
+    return Unreadable(file, "unreadable-file", f"'{inside}' in it is empty" if inside else _EMPTY)
+
+
+def _wrong_text(file: str, data: bytes, said: list[str]) -> ParseProblem:
+    for text in said:
+        if match := _EXPRESSION.search(text):
+            # One in metadata: those of attributes are found in the text, each at its place.
+            said_of_it = match[3] or "something is left open"
+            told = f"ill-formed path expression '{match[1]}', at character {match[2]}: {said_of_it}"
+            return ParseProblem(file, told, *_place_of(data, match[1]))
+        if match := _OF_PROPERTY.fullmatch(text.strip()):
+            return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
+    if not data.startswith(b"#usda"):
+        return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
+    told = "USD cannot read this, and does not say where it stops"
+    return _not_utf8(file, data) or ParseProblem(file, told, 1, 1)
+
+
+def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
+    """What a parser says of a place in the file. It may quote another one, which counted the lines of
+    a single value."""
+    places = list(filter(None, map(_AT.search, said)))
+    name = file.rpartition("/")[2]
+    named = (m for m in places if m.string[: m.start()].endswith(name))
+    match = next(named, None) or next(iter(places), None)
+    if match is None:
+        return None
+    what = _QUOTING.sub("", match[3].strip())
+    near = _NEAR.fullmatch(what)
+    told = _sentence(near[1], near[2]) if near else _sentence(what, "")
+    return ParseProblem(file, told, int(match[1]), int(match[2]))
+
+
+def _sentence(expected: str, near: str) -> str:
+    expected = expected.strip()
+    # USD quotes the rest of the line; the first word of it is what it stumbled over.
+    word = next(iter(near.split()), "")
+    if word.startswith(_CONFLICT):
+        return f"a merge conflict is left here, found '{word[:40]}'"
+    if "until<" in expected and not word:
+        what = "an asset path" if "::At," in expected else "a string"
+        expected = f"{what} is not closed"
+    if "::" in expected or "pxrInternal" in expected:  # a rule of the parser, by its C++ name
+        expected = "this is no usda"
+    if "simple value" in expected:
+        expected = "expected a value of another type"
+    if match := _COMPONENTS.search(expected):
+        expected = f"the value has not as many components as its type, {match[1]}"
+    if "target paths cannot contain variant selections" in expected:
+        # USD makes a relative path absolute, and then takes offence at what it made.
+        return "a target can neither hold a variant selection nor, within a variant, be relative"
+    expected = (expected[:1].lower() + expected[1:]).rstrip(".")
+    found = "found" if expected.startswith(("expected", "this")) else "near"
+    told = f"{expected}, {found} '{word[:40]}'" if word else expected
+    strange = next((what for c, what in _STRANGE.items() if c in _QUOTED.sub("", near)), "")
+    return f"{told}: the line holds {strange}" if strange else told
+
+
+def _place_of(data: bytes, expression: str) -> tuple[int, int]:
+    """Line and column of text that stands in quotes once; zeros if it does not."""
+    quoted = f'"{expression}"'.encode()
+    if data.count(quoted) != 1:
+        return 0, 0
+    start = data.find(quoted)
+    return data.count(b"\n", 0, start) + 1, start - data.rfind(b"\n", 0, start)
+
+
+def _not_utf8(file: str, data: bytes) -> ParseProblem | None:
+    """Where text holds a byte that is no UTF-8: USD's own sentence about it cannot be read."""
+    try:
+        data.decode()
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        column = error.start - data.rfind(b"\n", 0, error.start)
+        return ParseProblem(file, "the text is not UTF-8 from here on", line, column)
+    return None
+
+
+def _text_in(name: str) -> tuple[bytes | None, str]:
+    """The text that USD tried to read, None if it is binary; and where it stands in the package
+    that was to be opened, which is its first member."""
+    file, member = split_package(name)
+    inside = ""
+    if file.lower().endswith(".usdz") and member is None:
+        member = inside = first_member(file, None) or ""
+    with Path(bytes_at(file)).open("rb") as stream:
+        data = bytes_of(stream, member) if member else stream.read()
+    binary = data is None or b"\0" in data[:1024] or data.startswith((_CRATE, _PACKAGE))
+    return None if binary else data, inside
