@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr
 from dataclasses import replace
 from io import StringIO
@@ -39,6 +39,8 @@ from .stage import Opened, open_stage
 from .suppress import is_about_suppressions
 from .variants import Outcome, merge_outcomes
 
+_NO_VALUE = "a value in it cannot be read"
+
 MOST_VARIANTS = 64
 """Selections that `--variants` lints of one stage, beside the composed one."""
 
@@ -68,8 +70,9 @@ def _named(said: str) -> str:
 
 def _failed(file: File, error: Exception) -> FileResult:
     if isinstance(error, DamagedError):
-        said = f"USD opens it, and it is damaged: {error}"
-        return FileResult(problems=(Problem("unreadable-file", file.shown, said),))
+        return _damaged(file.shown, str(error))
+    if isinstance(error, Tf.ErrorException) and _is_corrupt(sentences(error.args)):
+        return _damaged(file.shown, _NO_VALUE, sentences(error.args))
     if isinstance(error, (UnicodeDecodeError, UndecodableError)):
         said = "holds text that is not UTF-8, or one of its layers does: nothing of it was linted"
         return FileResult(problems=(Problem("undecodable-text", file.shown, said),))
@@ -86,6 +89,15 @@ def _failed(file: File, error: Exception) -> FileResult:
 
 class UndecodableError(Exception):
     """A layer holds text that is not UTF-8, and cannot be read without it."""
+
+
+def _is_corrupt(said: Iterable[str]) -> bool:
+    return any(map(_DAMAGED.search, said))
+
+
+def _damaged(file: str, what: str, said: Iterable[str] = ()) -> FileResult:
+    message = f"USD opens it, and it is damaged: {what}"
+    return FileResult(problems=(Problem("unreadable-file", file, message),), chatter=tuple(said))
 
 
 @dataclass(slots=True)
@@ -245,16 +257,14 @@ class _File:
         ]
         if guilty:
             return self._without_stage(guilty, [])
-        said = "; ".join(sorted(set(sentences(error.args))))
-        if _DAMAGED.search(said):
-            damaged = Unreadable(
-                self._path,
-                "unreadable-file",
-                "USD opens it, and it is damaged, or a layer that it uses is",
-            )
-            return FileResult(problems=(self._unreadable(damaged),))
-        message = f"USD cannot open the stage: {said}"
-        return FileResult(problems=(Problem("unopened-stage", self._root, message),))
+        said = sorted(set(sentences(error.args)))
+        if _is_corrupt(said):
+            damaged = "USD opens it, and it is damaged, or a layer that it uses is"
+            problem = Problem("unreadable-file", self._root, damaged)
+            return FileResult(problems=(problem,), chatter=tuple(said))
+        message = "USD opens its layers and gives up on the stage: one of them may be damaged"
+        problem = Problem("unopened-stage", self._root, message)
+        return FileResult(problems=(problem,), chatter=tuple(said))
 
     def _without_stage(self, guilty: list[Layer], unparsed: list[ParseProblem]) -> FileResult:
         locator = Locator(None, self._path, self._texts, self._shown, unparsed)

@@ -11,6 +11,7 @@ from pxr import Sdf
 
 from ..model import Site
 from ..records import dataclass
+from .specs import variants_of
 
 _DEEP = 32
 """Arcs of one chain: longer ones are not looked through."""
@@ -98,9 +99,8 @@ def _with_variants(spec: Sdf.PrimSpec | None) -> Iterator[Sdf.PrimSpec]:
     if spec is None:
         return
     yield spec
-    for variants in spec.variantSets.values():
-        for variant in variants.variants.values():
-            yield from _with_variants(variant.primSpec)
+    for variant in variants_of(spec):
+        yield from _with_variants(variant)
 
 
 def _written(spec: Sdf.PrimSpec) -> Iterator[tuple[str, str, Sdf.Path]]:

@@ -13,6 +13,7 @@ from functools import cache
 from pxr import Sdf, Usd
 
 from .patterns import STRETCH, Node, Parsed
+from .specs import children_of
 
 _MANY = 64
 """Children of one prim that a wildcard is tried on."""
@@ -93,7 +94,7 @@ def _has_arcs(specs: Specs) -> bool:
 
 
 def _children(specs: Specs) -> Iterator[Specs]:
-    for name in dict.fromkeys(child.name for spec in specs for child in spec.nameChildren):
+    for name in dict.fromkeys(child.name for spec in specs for child in children_of(spec)):
         yield [spec.nameChildren[name] for spec in specs if name in spec.nameChildren]
 
 

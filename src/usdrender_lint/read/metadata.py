@@ -10,6 +10,7 @@ from pxr import Sdf, Usd
 
 from ..likeness import likeness
 from ..model import DefaultSettings, MetadataOpinion, Site
+from ..opening import DamagedError
 from ..stage import Opened
 from .targets import Targets
 
@@ -98,7 +99,10 @@ def _misspelled(stage: Usd.Stage) -> Iterator[MetadataOpinion]:
             site = Site("/", f"customLayerData:{where}", layer=root.identifier)
             yield MetadataOpinion(key, value, site, in_custom_data=True, counts=False)
     # A layer does not list keys that no plugin registers; the pseudo-root of the stage does.
-    authored = stage.GetPseudoRoot().GetAllAuthoredMetadata()
+    try:
+        authored = stage.GetPseudoRoot().GetAllAuthoredMetadata()
+    except TypeError:  # USD has no such value, nor a sentence for it
+        raise DamagedError("its metadata holds a value of a wrong type") from None
     for key in sorted(authored):
         value = authored[key]
         if isinstance(value, Sdf.UnregisteredValue) and _looks_like(key, or_equal=False):

@@ -9,6 +9,7 @@ from pxr import Sdf, Usd
 
 from ..model import RENDER_TYPES
 from ..stage import Opened, render_prims
+from .specs import children_of, there
 
 _SPECS = 1000
 """Of a root prim that may be a mere group of render prims."""
@@ -61,7 +62,7 @@ class Definitions:
             defines = spec.specifier == Sdf.SpecifierDef and spec.typeName in self._types
             met.append((spec.path, self._known.get((layer, spec.path), defines)))
             if (layer, spec.path) not in self._known:
-                pending.extend(spec.nameChildren)
+                pending.extend(children_of(spec))
         holding = set[Sdf.Path]()
         for path, defines in reversed(met):  # what is below comes before
             self._known[layer, path] = defines or path in holding
@@ -80,7 +81,7 @@ def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...]) -> bool:
 
 def _defined_roots(stage: Usd.Stage) -> Iterator[Sdf.PrimSpec]:
     for layer in stage.GetLayerStack(includeSessionLayers=False):
-        yield from (s for s in layer.rootPrims if s.specifier == Sdf.SpecifierDef)
+        yield from (s for s in there(layer.rootPrims) if s.specifier == Sdf.SpecifierDef)
 
 
 def _is_group_of_render_prims(root: Sdf.PrimSpec) -> bool:
@@ -93,5 +94,5 @@ def _is_group_of_render_prims(root: Sdf.PrimSpec) -> bool:
         found = found or is_render_prim
         if not is_render_prim and (spec.typeName not in ("", "Scope") or spec.hasReferences):
             return False
-        pending.extend(spec.nameChildren)
+        pending.extend(children_of(spec))
     return False

@@ -10,8 +10,8 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from ..handed import bytes_at
-from ..opening import DamagedError
 from .crate_types import crate_types
+from .specs import children_of, there, variants_of
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
 _TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")
@@ -69,12 +69,12 @@ def _inside(layer: Sdf.Layer, scopes: tuple[str, ...]) -> int:
     count = 0
     for scope in scopes:
         if spec := layer.GetPrimAtPath(scope):
-            count += sum(_is_wanted(s) for child in spec.nameChildren for s in _walk(child))
+            count += sum(_is_wanted(s) for child in children_of(spec) for s in _walk(child))
     return count
 
 
 def _outside(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterator[str]:
-    for root in layer.rootPrims:
+    for root in there(layer.rootPrims):
         for spec in _walk(root, skip=scopes):
             if _is_wanted(spec):
                 yield str(spec.path.StripAllVariantSelections())
@@ -88,14 +88,11 @@ def _walk(spec: Sdf.PrimSpec, skip: tuple[str, ...] = ()) -> Iterator[Sdf.PrimSp
     pending = [spec]
     while pending:
         one = pending.pop()
-        if one is None:
-            raise DamagedError("it lists a prim that is not there")
         if skip and str(one.path) in skip:
             # A render prim *at* the scope's own path is outside, too.
             if _is_wanted(one):
                 yield one
             continue
         yield one
-        pending.extend(one.nameChildren)
-        for variants in one.variantSets:
-            pending.extend(v.primSpec for v in variants.variants)
+        pending.extend(children_of(one))
+        pending.extend(variants_of(one))

@@ -15,6 +15,7 @@ from ..sites import listed, node_of, out_of_namespace_of
 from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
 from .arcs import Failures
 from .parts import Part
+from .specs import children_of, there
 from .text import Texts
 
 EXPECTED = {
@@ -438,7 +439,7 @@ def _clobbered(
 
 
 def _camera_specs(layer: Sdf.Layer) -> Iterator[str]:
-    pending = list(layer.rootPrims)
+    pending = there(layer.rootPrims)
     for _ in range(_SPECS):
         if not pending:
             return
@@ -447,4 +448,4 @@ def _camera_specs(layer: Sdf.Layer) -> Iterator[str]:
             continue
         if spec.typeName == "Camera" and spec.specifier == Sdf.SpecifierDef:
             yield str(spec.path)
-        pending.extend(spec.nameChildren)
+        pending.extend(children_of(spec))

@@ -214,7 +214,7 @@ def _read_property(asked: Asked, name: str) -> Property:
     stack = asked.prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
     wanted_rel = schema.is_relationship(name)
     if not stack:
-        raise DamagedError("it lists a property that is not there")
+        raise DamagedError(f"it lists the property <{path}>, which is not there")
     spec = stack[0]  # decides whether USD takes it for a relationship
     if is_schema and not isinstance(spec, Sdf.RelationshipSpec):
         valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))

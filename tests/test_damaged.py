@@ -1,0 +1,95 @@
+"""What USD opens although it is damaged is told as that: no crash of ours, and no false green."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+from pxr import Sdf, Usd
+
+from conftest import ROOT
+from usdrender_lint.lint import lint
+from usdrender_lint.opening import DamagedError
+from usdrender_lint.read.crate_types import crate_types
+from usdrender_lint.read.specs import there
+from usdrender_lint.results import Report
+
+SCENE = (ROOT / "fixtures" / "formats" / "scene.usdc").read_bytes()
+OPENS = "USD opens it, and it is damaged: "
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def patched(at: int, value: int) -> bytes:
+    data = bytearray(SCENE)
+    data[at] = value
+    return bytes(data)
+
+
+def linted(data: bytes) -> Report:
+    Path("a.usdc").write_bytes(data)
+    return lint(["a.usdc"])
+
+
+def told(report: Report) -> list[tuple[str, str]]:
+    assert not report.files
+    return [(p.kind, p.message) for p in report.problems]
+
+
+def test_a_property_that_is_listed_and_not_there() -> None:
+    report = linted(patched(148, 1))
+    stage = Usd.Stage.Open("a.usdc")
+    prim = stage.GetPrimAtPath("/Render/beauty")
+    assert "World" in prim.GetAuthoredPropertyNames()
+    assert not prim.GetProperty("World").GetPropertyStack(Usd.TimeCode.Default())
+    what = "it lists the property </Render/beauty.World>, which is not there"
+    assert told(report) == [("unreadable-file", OPENS + what)]
+
+
+def test_a_value_that_cannot_be_read() -> None:
+    report = linted(patched(378, 1))
+    assert told(report) == [("unreadable-file", OPENS + "a value in it cannot be read")]
+    assert any("unpack" in said for said in report.chatter)
+
+
+def test_a_stage_that_does_not_open() -> None:
+    """USD's own words, of its C++, are told only with -v."""
+    report = linted(patched(149, 1))
+    ((kind, message),) = told(report)
+    assert kind == "unopened-stage"
+    assert message == "USD opens its layers and gives up on the stage: one of them may be damaged"
+    assert any("propName" in said for said in report.chatter)
+
+
+def test_metadata_of_a_type_that_python_does_not_know() -> None:
+    layer = Sdf.Layer.CreateNew("whole.usdc")
+    layer.subLayerPaths.append("x.usda")
+    layer.subLayerOffsets[0] = Sdf.LayerOffset(5)
+    layer.Save()
+    data = Path("whole.usdc").read_bytes()
+    assert data.count(b"Offsets") == 1
+    report = linted(data.replace(b"Offsets", b"Offsetz"))
+    stage = Usd.Stage.Open("a.usdc")
+    with pytest.raises(TypeError, match="LayerOffset"):
+        stage.GetPseudoRoot().GetAllAuthoredMetadata()
+    assert told(report) == [
+        ("unreadable-file", OPENS + "its metadata holds a value of a wrong type")
+    ]
+
+
+def test_a_spec_that_is_not_there() -> None:
+    with pytest.raises(DamagedError, match="not there"):
+        there([1, None])
+    assert there([1, 2]) == [1, 2]
+
+
+def test_no_damage_stops_the_tables_of_a_crate() -> None:
+    pattern = re.compile(rb"Render(?:Settings|Product|Var|Pass)")
+    for at in range(0, len(SCENE), 3):
+        Path("a.usdc").write_bytes(patched(at, 255))
+        if (types := crate_types("a.usdc", pattern)) is not None:
+            types.paths()
