@@ -6,9 +6,10 @@ import re
 from pathlib import Path
 
 import pytest
-from pxr import Sdf, Usd
+from pxr import Sdf, Tf, Usd
 
 from conftest import ROOT
+from usdrender_lint import lint_file
 from usdrender_lint.lint import lint
 from usdrender_lint.opening import DamagedError
 from usdrender_lint.read.crate_types import crate_types
@@ -50,19 +51,24 @@ def test_a_property_that_is_listed_and_not_there() -> None:
     assert told(report) == [("unreadable-file", OPENS + what)]
 
 
-def test_a_value_that_cannot_be_read() -> None:
-    report = linted(patched(378, 1))
-    assert told(report) == [("unreadable-file", OPENS + "a value in it cannot be read")]
-    assert any("unpack" in said for said in report.chatter)
-
-
-def test_a_stage_that_does_not_open() -> None:
+@pytest.mark.parametrize(("at", "usd_says"), [(378, "unpack"), (149, "propName")])
+def test_a_stage_that_does_not_open_for_what_is_in_a_layer(at: int, usd_says: str) -> None:
     """USD's own words, of its C++, are told only with -v."""
-    report = linted(patched(149, 1))
-    ((kind, message),) = told(report)
-    assert kind == "unopened-stage"
-    assert message == "USD opens its layers and gives up on the stage: one of them may be damaged"
-    assert any("propName" in said for said in report.chatter)
+    report = linted(patched(at, 1))
+    said = "USD opens it, and it is damaged, or a layer that it uses is"
+    assert told(report) == [("unreadable-file", said)]
+    assert any(usd_says in one for one in report.chatter)
+
+
+def test_a_stage_that_does_not_open(monkeypatch: pytest.MonkeyPatch) -> None:
+    def give_up(*_: object, **__: object) -> None:
+        Tf.RaiseRuntimeError("the boost of the node")
+
+    monkeypatch.setattr(lint_file, "open_stage", give_up)
+    report = linted(SCENE)
+    said = "USD opens its layers and gives up on the stage: one of them may be damaged"
+    assert told(report) == [("unopened-stage", said)]
+    assert any("the boost of the node" in one for one in report.chatter)
 
 
 def test_metadata_of_a_type_that_python_does_not_know() -> None:

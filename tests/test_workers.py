@@ -205,6 +205,34 @@ def test_nothing_is_left_open(start: workers.Start) -> None:
     assert count() == before
 
 
+@pytest.mark.parametrize("start", STARTS)
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_a_worker_that_waits_takes_the_next_run(start: workers.Start, jobs: int) -> None:
+    started = []
+
+    def counted(*asked: object) -> Worker:
+        started.append(asked)
+        return start(*asked)  # type: ignore[arg-type]
+
+    with Isolated(jobs).keeping() as how:
+        assert told(run(Doing(), named("a", "b"), how, counted)) == ["a", "b"]
+        (kept,) = how.kept or ()
+        before = len(started)
+        assert told(run(Doing(), named("c"), how, counted)) == ["c"]
+        assert len(started) == before
+        assert how.kept == [kept]
+    assert kept.gone() is not None
+
+
+@posix
+def test_a_worker_that_died_while_it_waited_costs_nothing() -> None:
+    with Isolated(1).keeping() as how:
+        assert told(run(Doing(), named("a"), how, forked)) == ["a"]
+        (kept,) = how.kept or ()
+        os.kill(kept.pid, signal.SIGKILL)
+        assert told(run(Doing(), named("b", "abort"), how, forked)) == ["b", "crashed-usd"]
+
+
 def test_a_pause_of_all_is_nobodys_delay() -> None:
     """Ctrl-Z stops the workers with the program."""
     worker = Worker(None, 0, lambda: None, ready=True, since=100.0)  # type: ignore[arg-type]

@@ -452,8 +452,10 @@ def command(
     if update_baseline and not plans.baselines:
         raise click.UsageError("--update-baseline needs --baseline FILE, or one in a configuration")
     known = _known(plans, may_be_missing=update_baseline) if plans.baselines else []
-    with bar(quiet=quiet) as progress:
-        how = Isolated(jobs, timeout, progress, lambda: prepare(output_format))
+    with (
+        bar(quiet=quiet) as progress,
+        Isolated(jobs, timeout, progress, lambda: prepare(output_format)).keeping() as how,
+    ):
         report = report_on(
             plans.asked, plans.problems, plans.shown, plans.otherwise, how, part=str(shard or "")
         )

@@ -18,9 +18,9 @@ import sys
 import threading
 import time
 from collections import deque
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import suppress
-from dataclasses import field
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import field, replace
 from pathlib import Path
 from typing import Any, NoReturn, Protocol
 
@@ -108,6 +108,18 @@ class Isolated:
     progress: Progress | None = None
     meanwhile: Callable[[], None] = lambda: None
     """What this process may do while it waits."""
+    kept: list[Worker] | None = None
+    """One that has done its part and waits for more, which spares importing USD once more. None: no
+    worker outlives a run."""
+
+    @contextmanager
+    def keeping(self) -> Iterator[Isolated]:
+        kept: list[Worker] = []
+        try:
+            yield replace(self, kept=kept)
+        finally:
+            for worker in kept:
+                worker.end()
 
     def __call__(self, asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
         start = _way()
@@ -237,13 +249,16 @@ class Worker:
     """When it began with the first of its files, or was started."""
     fresh: bool = True
     """Nothing that it did before can have harmed it."""
+    knows: bool = True
+    """The files of this run by their numbers, since it was started for it."""
     heard: bytearray = field(default_factory=bytearray)
 
-    def give(self, files: Sequence[int]) -> None:
-        self.files.extend(files)
+    def give(self, numbers: Sequence[int], files: Sequence[Named]) -> None:
+        self.files.extend(numbers)
         self.since = time.monotonic()
+        said = tuple(n if self.knows else files[n] for n in numbers)
         with suppress(OSError):  # it has died: that is noticed where it is listened to
-            self.channel.sendall(_framed(packed(tuple(files))))
+            self.channel.sendall(_framed(packed(said)))
 
     def hear(self) -> list[bytes] | None:
         """The frames that are there by now, None when there will be no more."""
@@ -306,6 +321,7 @@ class _Crew:
             worker.end()
 
     def run(self) -> list[FileResult | None]:
+        self._call_back()
         self._hire()
         self._how.meanwhile()
         while self._workers:
@@ -317,17 +333,26 @@ class _Crew:
             self._settle(index, _died(self._files[index], code))
         return self._results
 
+    def _call_back(self) -> None:
+        while self._how.kept and self._left:
+            worker = self._how.kept.pop()
+            worker.knows = False
+            self._workers.append(worker)
+            worker.give(self._next(), self._files)
+
     def _hire(self) -> None:
         while len(self._workers) < self._wanted and (self._left or self._again):
             if self._given_up:
                 return
             try:
-                worker = self._start(self._work, self._files, self._how, self._workers)
+                others = [*self._workers, *(self._how.kept or ())]
+                worker = self._start(self._work, self._files, self._how, others)
             except OSError:  # too many processes, or no memory for one more
                 self._given_up = True
                 return
             self._workers.append(worker)
-            worker.give([self._again.popleft()[0]] if self._again else self._next())
+            numbers = [self._again.popleft()[0]] if self._again else self._next()
+            worker.give(numbers, self._files)
 
     def _next(self) -> list[int]:
         return [self._left.popleft() for _ in range(min(self._chunk, len(self._left)))]
@@ -373,7 +398,10 @@ class _Crew:
 
     def _feed(self, worker: Worker) -> None:
         if self._left:
-            worker.give(self._next())
+            worker.give(self._next(), self._files)
+        elif self._how.kept == []:
+            self._workers.remove(worker)
+            self._how.kept.append(worker)
         else:
             self._let_go(worker)
 
@@ -595,11 +623,14 @@ def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) 
             asked = unpacked(_receive(channel))
         except (EOFError, OSError):
             return
-        for index in asked:
+        for one in asked:
             if limits.seconds and hasattr(signal, "alarm"):
                 # Should nobody be left to tell that it takes too long.
                 signal.alarm(math.ceil(limits.seconds) + 5)
-            channel.sendall(_framed(packed(work(files[index]))))
+            file = files[one] if isinstance(one, int) else one
+            channel.sendall(_framed(packed(work(file))))
+        if hasattr(signal, "alarm"):  # waiting for more takes as long as it takes
+            signal.alarm(0)
 
 
 def _limit_resources() -> None:
