@@ -57,7 +57,7 @@ INFORMATION = {
     "--version": 0,
     "--list-rules": 0,
     "--explain dead-target": 0,
-    "--no-such-option": 2,
+    "--fail-on nothing": 2,
 }
 """What needs no stage, and the exit code of each."""
 
