@@ -32,7 +32,7 @@ MEANINGS = MappingProxyType(
 )
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)  # told apart by being the same one
 class Dialect:
     """One renderer's language. The defaults are Open Shading Language."""
 

@@ -8,6 +8,7 @@ joins just the two items beside it.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import NoReturn
 
 from .dialects import Dialect
@@ -34,6 +35,7 @@ DIGITS = re.compile(r"[0-9]*")
 REPETITIONS: dict[str, tuple[int, int | None]] = {"*": (0, None), "+": (1, None), "?": (0, 1)}
 
 
+@lru_cache(maxsize=1024)  # several rules read each expression, and shots have the same ones
 def parse(text: str, dialect: Dialect) -> Expression | Problem:
     """The text as that dialect reads it."""
     try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 
 from ..records import dataclass
 from .dialects import ALL, MEANINGS, OSL, Dialect
@@ -19,6 +20,7 @@ class Extension:
     dialects: tuple[Dialect, ...]
 
 
+@lru_cache(maxsize=1024)
 def extensions(text: str, dialects: tuple[Dialect, ...] = ALL) -> tuple[Extension, ...]:
     """By column. `<RS8>` is one, though Open Shading Language reads it too: as a label "8"."""
     readers: dict[tuple[int, str], list[Dialect]] = {}
