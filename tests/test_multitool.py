@@ -49,12 +49,22 @@ def multitool(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathF
     cache = getattr(request.config, "cache", None)
     folder = cache.mkdir("multitool") if cache else tmp_path_factory.mktemp("multitool")
     if not (program := _program(folder)):
-        install = [npm, "install", "--no-audit", "--no-fund", "--prefix", str(folder), PACKAGE]
-        done = subprocess.run(install, capture_output=True, text=True, timeout=300)
+        why = _install(npm, folder)
         if not (program := _program(folder)):
-            pytest.skip(f"{PACKAGE} cannot be installed: {done.stderr.strip()[-200:]}")
+            pytest.skip(f"{PACKAGE} cannot be installed: {why}")
     program.chmod(0o755)  # npm 11 does not run the script of the package that does this
     return program
+
+
+def _install(npm: str, folder: Path) -> str:
+    """What npm says. Without a registry it would try again for minutes."""
+    patience = ("--fetch-retries", "0", "--fetch-timeout", "20000")
+    command = [npm, "install", "--no-audit", "--no-fund", *patience, "--prefix", str(folder)]
+    try:
+        done = subprocess.run([*command, PACKAGE], capture_output=True, text=True, timeout=120)
+    except subprocess.TimeoutExpired:
+        return "npm takes too long"
+    return done.stderr.strip()[-200:]
 
 
 def _program(folder: Path) -> Path | None:
