@@ -631,3 +631,16 @@ def test_a_pass_of_another_application_points_where_it_likes_whatever_type_names
         "        rel renderSource = </Write1>\n    }\n"
     )
     assert found(stage(more=external)) == ["type-mismatch"]
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("Xform", "is an Xform, which brings a transform where nothing is to be moved: the"),
+        ("scope", "is a scope: the"),
+    ],
+)
+def test_only_what_moves_is_said_to_bring_a_transform(kind: str, said: str) -> None:
+    main = stage().replace('def Scope "Render"', f'def {kind} "Render"')
+    _, (mark,) = lint_files({"main.usda": main})
+    assert mark.text == f"</Render> {said} convention is a Scope"

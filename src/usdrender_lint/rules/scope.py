@@ -195,9 +195,8 @@ def render_scope_type(scope: RenderScope, context: Context) -> Iterator[Finding]
         if prim.state is not State.LIVE or prim.type_name == "Scope" or not prim.holds_render_prims:
             continue
         kind = a_or_an(prim.type_name) if prim.type_name else "untyped"
-        cost = (
-            "" if not prim.type_name else ", which brings a transform where nothing is to be moved"
-        )
+        moves = prim.type_name == "Xform"
+        cost = ", which brings a transform where nothing is to be moved" if moves else ""
         yield Finding(
             Site(prim.path, "typeName"),
             f"<{prim.path}> is {kind}{cost}: the convention is a Scope",
