@@ -107,7 +107,7 @@ def _matching(patterns: Sequence[str], cwd: Path, uses: Uses) -> tuple[dict[str,
     for pattern in patterns:
         absolute = str(cwd / pattern)
         # pathlib's own goes into hidden folders, too.
-        named = map(Path, glob.glob(absolute, recursive=True))  # noqa: PTH207
+        named = map(Path, glob.glob(absolute, recursive=True))  # noqa: PTH207 see above
         files = [file for file in named if file.suffix.lower() in USD_SUFFIXES and file.is_file()]
         if not files:
             idle.append(absolute)

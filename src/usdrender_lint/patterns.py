@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import groupby
 
@@ -89,11 +89,12 @@ def lines_of(text: str) -> list[str]:
     return found
 
 
+_Matches = Callable[[str], re.Match[str] | None]
 _TRAILING = re.compile(r"(?<!\\) +$")
 
 
 @cache
-def _compiled(patterns: tuple[str, ...]) -> tuple[tuple[bool, re._Matcher], ...]:  # type: ignore[name-defined]
+def _compiled(patterns: tuple[str, ...]) -> tuple[tuple[bool, _Matches], ...]:
     """The last first; neighbours that say the same as one expression."""
     read = []
     for pattern in patterns:

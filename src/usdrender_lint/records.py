@@ -71,7 +71,7 @@ else:
     def _first_init(record, frozen):
         """An `__init__` that puts the one in its place that the class needs."""
 
-        def __init__(self, *arguments, **named):  # noqa: N807
+        def __init__(self, *arguments, **named):  # noqa: N807 it becomes the method
             record.__init__ = _init(record, frozen)
             record.__init__(self, *arguments, **named)
 

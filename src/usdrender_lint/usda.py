@@ -82,7 +82,7 @@ class _Path:
     @classmethod
     def of(cls, text: str) -> _Path:
         match = PATH.match(text)
-        assert match, "the pattern matches the empty text"  # noqa: S101
+        assert match, "the pattern matches the empty text"  # noqa: S101 for mypy
         found = STEP.finditer(match["prim"])
         steps = ((m["prim"],) if m["prim"] else (m["set"], m["variant"]) for m in found)
         return cls(tuple(steps), match["property"])

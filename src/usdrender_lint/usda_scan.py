@@ -153,7 +153,7 @@ class Scan:
         position, nearest = 0, dict.fromkeys(MARKS, 0)
         while position < len(data):
             match = NEXT_BRACE.match(data, position)
-            assert match, "the pattern matches the empty text"  # noqa: S101
+            assert match, "the pattern matches the empty text"  # noqa: S101 for mypy
             position = match.end()
             if match[1] == b"{":
                 waiting.append(position - 1)
@@ -199,7 +199,7 @@ class Scan:
     def _skip(self, start: int, end: int | None = None) -> int:
         """Past blanks, line breaks, semicolons and comments."""
         match = SEPARATORS.match(self._data, start, len(self._data) if end is None else end)
-        assert match, "the pattern matches the empty text"  # noqa: S101
+        assert match, "the pattern matches the empty text"  # noqa: S101 for mypy
         return match.end()
 
     def _inside(self, start: int) -> Range:

@@ -113,7 +113,7 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
 def _attr(asked: Asked, name: str, plain: Callable[[Any], T]) -> Attr[T]:
     """A blocked value is the fallback: cameras are read at the frame, where a block leaves it be."""
     schema = asked.schema.attribute(name)
-    assert schema is not None, "cameras have all of these"  # noqa: S101
+    assert schema is not None, "cameras have all of these"  # noqa: S101 for mypy
     return read_attr(asked, name, plain, plain(schema.default))
 
 
@@ -132,7 +132,7 @@ def _times(prim: Usd.Prim, varying: list[Attr[Any]], frames: FrameRange) -> list
     for attr in varying:
         attribute = prim.GetAttribute(attr.name)
         if attr.varying == "spline":
-            times.update(float(t) for t in attribute.GetSpline().GetKnots().keys())  # noqa: SIM118
+            times.update(float(t) for t in attribute.GetSpline().GetKnots().keys())  # noqa: SIM118 no dictionary of Python's
         else:
             times.update(float(t) for t in attribute.GetTimeSamples())
     ends = {t for t in (frames.start, frames.end) if times and t is not None}

@@ -252,7 +252,7 @@ class Targets:
             for spec in prim.GetPrimStack() if prim else ():
                 for name in spec.variantSets.keys():  # noqa: SIM118 no dictionary of Python's
                     selected = prim.GetVariantSet(name).GetVariantSelection()
-                    for variant in spec.variantSets[name].variants.keys():  # noqa: SIM118
+                    for variant in spec.variantSets[name].variants.keys():  # noqa: SIM118 neither
                         inside = spec.path.AppendVariantSelection(name, variant)
                         there = wanted.ReplacePrefix(above, inside)
                         if variant != selected and spec.layer.GetPrimAtPath(there):
