@@ -47,7 +47,10 @@ LAYERS = (
     ("wanted",),
     ("formats", "console", "progress"),
     ("testing",),
-    ("lint", "lint_file", "ignores", "variants", "workers"),
+    ("workers",),
+    ("headstart",),
+    ("worker",),
+    ("lint", "lint_file", "ignores", "variants"),
     ("report", "report.*", "output"),
     ("run", "settle", "locate", "concerns", "suppress", "baseline"),
     ("read", "read.*"),
@@ -72,11 +75,13 @@ LAYERS = (
         "gitignore",
         "patterns",
         "machine",
+        "frames",
+        "copies",
     ),
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),
     ("model", "printable", "handed"),
-    ("records",),
+    ("records", "lazily"),
 )
 """From the top; a module imports from its own line and from those below."""
 
@@ -184,7 +189,7 @@ def test_each_package_outside_is_known_to_few() -> None:
 
 def test_rules_know_the_model_and_nothing_else() -> None:
     """No file, line, color or output format, and no USD; names are compared everywhere alike."""
-    allowed = ("model", "rule", "likeness", "records", "lpe", "lpe.*", "rules._*")
+    allowed = ("model", "rule", "likeness", "records", "lazily", "lpe", "lpe.*", "rules._*")
     strange = [
         str(i)
         for i in IMPORTS

@@ -17,14 +17,15 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from usdrender_lint import machine, workers
+from usdrender_lint import machine, worker, workers
 from usdrender_lint.__main__ import main
 from usdrender_lint.discover import Shown, Target
 from usdrender_lint.formats import FORMATS
+from usdrender_lint.frames import packed, unpacked
 from usdrender_lint.lint import Config, FileResult, lint
 from usdrender_lint.registry import select
 from usdrender_lint.testing import BASE
-from usdrender_lint.workers import Isolated, Worker, forked, packed, run, spawned, unpacked
+from usdrender_lint.workers import Isolated, Worker, forked, run, spawned
 
 CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and special files are others there")
@@ -139,7 +140,7 @@ def test_a_worker_that_was_harmed_before_blames_no_innocent_file() -> None:
 @posix
 def test_memory_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     """The worker's Python is told by an exception, which ends it."""
-    monkeypatch.setattr(workers, "most_memory", lambda: 300_000_000)
+    monkeypatch.setattr(worker, "most_memory", lambda: 300_000_000)
     if sys.platform != "linux":
         pytest.skip("RLIMIT_DATA counts something else there")
     assert told(run(Doing(), named("a", "greedy", "b"), Isolated(1), forked)) == [

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
 
+from . import headstart
+
 _SELDOM = 100_000
 """Objects between two searches for cycles, which are few here; Python's 700 cost a tenth of a run."""
 
@@ -27,14 +29,18 @@ def main(argv: Sequence[str] | None = None) -> int:
     with suppress(ValueError):  # not the main thread of its host
         before = signal.signal(signal.SIGTERM, _terminate)
     try:
+        if argv is None:
+            argv = sys.argv[1:]
+            headstart.begin(argv)
         from .cli import run
 
-        return run(list(sys.argv[1:] if argv is None else argv))
+        return run(list(argv))
     except Terminated:
         return 143
     except KeyboardInterrupt:
         return 130
     finally:
+        headstart.end()
         if before is not None:
             signal.signal(signal.SIGTERM, before)
 

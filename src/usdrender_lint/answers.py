@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 from .config import Asked, Configuration
 from .config.find import Configurations
 from .console import tell
+from .lazily import lazily
 from .output import write_out
 from .plan import Sought, seek
 from .records import dataclass
@@ -18,7 +18,7 @@ from .wanted import Options, wanted
 
 COMPLETE, INCOMPLETE = 0, 2
 
-_BARE = re.compile(r"[A-Za-z0-9_-]+")
+_BARE = lazily(r"[A-Za-z0-9_-]+")
 
 
 def show_files(sought: Sought, configurations: Configurations, chosen: str) -> int:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 from contextlib import ExitStack, suppress
 from typing import Any
 
 from pxr import Tf
 
-_ADDRESS = re.compile(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
+from .lazily import lazily
+
+_ADDRESS = lazily(r" <0x[0-9a-f]+>|(?<=@anon:)0x[0-9a-f]+:")
 """Of a stage or a layer in memory: nobody can follow it, and it differs from run to run."""
 
 

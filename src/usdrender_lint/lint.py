@@ -259,12 +259,15 @@ def _about_suppressions(
     ran: dict[str, frozenset[str]],
 ) -> tuple[list[Located], list[tuple[str, Crash]]]:
     """What is found of the suppressions in the files that are judged by one configuration."""
+    ignores = {
+        file.shown: result.ignores
+        for (file, its), result in zip(linted, results, strict=True)
+        if result.ignores and its is config
+    }
+    if not ignores:
+        return [], []
     found, crashes = findings_of(
-        {
-            file.shown: result.ignores
-            for (file, its), result in zip(linted, results, strict=True)
-            if result.ignores and its is config
-        },
+        ignores,
         frozenset[Key]().union(*(r.needed for r in results)),
         ran,
         config.selection.run,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import sys
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr
@@ -18,6 +17,7 @@ from .discover import Shown
 from .discover import Target as File
 from .handed import handed_over
 from .ignores import Ignores
+from .lazily import lazily
 from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
@@ -45,7 +45,7 @@ MOST_VARIANTS = 64
 """Selections that `--variants` lints of one stage, beside the composed one."""
 
 
-_DAMAGED = re.compile(r"Corrupt asset|Failed verification|[Uu]npack")
+_DAMAGED = lazily(r"Corrupt asset|Failed verification|[Uu]npack")
 """What USD says where a layer opens and its values or names make no sense."""
 
 

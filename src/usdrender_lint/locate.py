@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
 from pxr import Sdf, Usd
 
 from .discover import Shown
+from .lazily import lazily
 from .model import HasSite, Site
 from .opening import ParseProblem
 from .packages import split_package
@@ -20,12 +19,12 @@ from .run import Told
 from .sites import Spot, Translation, find, into_layer
 
 _HEAD, _TAIL = 60, 30
-_LONG = re.compile(r"'([^']{120,})'")
+_LONG = lazily(r"'([^']{120,})'")
 """A value in quotes that nobody would read to its end."""
 SYNTAX = "syntax"
 """Field of a site that means the place where a layer stops being usda."""
 
-_PATH = re.compile(r"<(/[\w/.:]+)>")
+_PATH = lazily(r"<(/[\w/.:]+)>")
 """As messages write that of a prim or a property."""
 
 

@@ -12,6 +12,7 @@ from pxr import Sdf, Tf
 from .diagnostics import sentences
 from .discover import USD_SUFFIXES
 from .handed import bytes_at
+from .lazily import lazily
 from .model import Site
 from .packages import bytes_of, first_member, split_package
 from .records import dataclass
@@ -21,7 +22,7 @@ _SMALL = 1_000_000
 """Bytes of a layer in which all asset paths are found in no time."""
 
 _LFS = b"version https://git-lfs.github.com/spec/v1"
-_HEADER = re.compile(rb"#(?:usda|sdf)\b")
+_HEADER = lazily(rb"#(?:usda|sdf)\b")
 _EMPTY = "the file is empty"
 _UTF16 = (b"\xff\xfe", b"\xfe\xff", b"#\0", b"\0#")
 """With its mark, or the first letter of a header without one."""
@@ -212,14 +213,14 @@ def _missing_in(file: str) -> str:
     return "the package is truncated or damaged"
 
 
-_AT = re.compile(r":(\d+):(\d+): (.*)", re.S)
-_NEAR = re.compile(r"(.*) at '(.*?)' in <(.*)>", re.S)
-_OF_PROPERTY = re.compile(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
-_COMPONENTS = re.compile(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
-_QUOTING = re.compile(r" due to ':\d+:\d+: .*?'")
-_PACKED = re.compile(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
+_AT = lazily(r":(\d+):(\d+): (.*)", re.S)
+_NEAR = lazily(r"(.*) at '(.*?)' in <(.*)>", re.S)
+_OF_PROPERTY = lazily(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
+_COMPONENTS = lazily(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
+_QUOTING = lazily(r" due to ':\d+:\d+: .*?'")
+_PACKED = lazily(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
 _CONFLICT = ("<<<<<<<", "=======", ">>>>>>>")
-_QUOTED = re.compile(r"\"[^\"]*\"|'[^']*'")
+_QUOTED = lazily(r"\"[^\"]*\"|'[^']*'")
 _STRANGE = {
     "\u201c": "a curly quote",
     "\u201d": "a curly quote",
@@ -227,7 +228,7 @@ _STRANGE = {
     "\ufeff": "a byte order mark",
 }
 """What editors and chats put into text, and nobody sees."""
-_EXPRESSION = re.compile(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
+_EXPRESSION = lazily(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
 
 
 def _refused(file: str, error: Tf.ErrorException) -> Unreadable | ParseProblem:

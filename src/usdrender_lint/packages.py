@@ -10,7 +10,9 @@ import re
 from pathlib import Path
 from typing import IO
 
-_IN_PACKAGE = re.compile(r"(.*?\.usdz)\[(.*)\]", re.IGNORECASE | re.DOTALL)
+from .lazily import lazily
+
+_IN_PACKAGE = lazily(r"(.*?\.usdz)\[(.*)\]", re.IGNORECASE | re.DOTALL)
 
 
 def split_package(name: str) -> tuple[str, str | None]:

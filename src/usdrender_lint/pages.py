@@ -6,25 +6,25 @@ form is fixed, and `parse` refuses whatever a test would otherwise pass over in 
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import takewhile
 from pathlib import Path
 
+from .lazily import lazily
 from .model import Layer, Suppressions
 from .records import dataclass
 from .rule import AnyRule
 
 SECTIONS = ("Bad", "Good", "When to ignore it", "See also")
 
-_ID = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")
-_FENCE = re.compile(r"```(\w*)")
+_ID = lazily(r"[a-z0-9]+(-[a-z0-9]+)*")
+_FENCE = lazily(r"```(\w*)")
 _CLOSE = "```"
-_NAME = re.compile(r"`([^`]+)`:")
-_TITLE = re.compile(r"# (\S.*)")
-_HEADING = re.compile(r"## (\S.*)")
-_FACTS = re.compile(r"\*[^*]+\*")
+_NAME = lazily(r"`([^`]+)`:")
+_TITLE = lazily(r"# (\S.*)")
+_HEADING = lazily(r"## (\S.*)")
+_FACTS = lazily(r"\*[^*]+\*")
 
 Line = tuple[int, str]
 """A line's number in the page, from 1, and its text."""

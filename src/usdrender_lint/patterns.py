@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import groupby
 
+from .lazily import lazily
+
 
 class PatternError(Exception):
     """A pattern that no path ever matches."""
@@ -90,7 +92,7 @@ def lines_of(text: str) -> list[str]:
 
 
 _Matches = Callable[[str], re.Match[str] | None]
-_TRAILING = re.compile(r"(?<!\\) +$")
+_TRAILING = lazily(r"(?<!\\) +$")
 
 
 @cache

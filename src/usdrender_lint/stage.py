@@ -218,3 +218,10 @@ def targets_of(relationship: Usd.Relationship) -> list[Sdf.Path]:
         return list(relationship.GetTargets())
     except Tf.ErrorException:
         return []
+
+
+def limit_threads(most: int) -> None:
+    """USD takes one for each core by itself."""
+    from pxr import Work  # only runs over many files ask for it
+
+    Work.SetConcurrencyLimit(most)

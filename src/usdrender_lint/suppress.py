@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from .lazily import lazily
 from .model import Extent, Flaw, Site, Suppression, Suppressions
 from .records import dataclass
 from .registry import all_rules
@@ -20,13 +21,13 @@ if TYPE_CHECKING:
 
 MARK = "usdrender-lint:"
 
-_SAID = re.compile(
+_SAID = lazily(
     # The header of a layer is a comment by its mark.
     r"(?:#(?:usda|sdf)[ \t]+[\d.]+[ \t]*)?(?:#+|//+|/\*+)[ \t]*" + re.escape(MARK) + r"[ \t]*"
     r"(?P<word>[\w-]*)[ \t]*(?P<list>\[(?P<rules>[^\]]*)(?P<closed>\])?)?"
 )
-_RULE = re.compile(r"[^\s,]+")
-_VARIANTS = re.compile(r"(?:\{[^}]*\})+")
+_RULE = lazily(r"[^\s,]+")
+_VARIANTS = lazily(r"(?:\{[^}]*\})+")
 
 Key = tuple[str, ...]
 """Names a suppression within a run, whatever stage it was met in."""

@@ -12,12 +12,12 @@ and a mark that cannot stand at its line names it: `# at line 1: warning: ...`.
 
 from __future__ import annotations
 
-import re
 import tempfile
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from .lazily import lazily
 from .lint import Config, lint
 from .model import Suppressions
 from .pages import Case, Page
@@ -81,7 +81,7 @@ def Xform "World"
 }
 """
 
-MARK = re.compile(
+MARK = lazily(
     r"\#[ ](?:at[ ]line[ ](?P<line>\d+):[ ])?(?P<severity>error|warning|note):"
     r"(?:[ ]\[(?P<rule>[a-z0-9-]+)\])?[ \t]*(?P<text>.*?)"
     r"(?=\s*\#[ ](?:at[ ]line|error:|warning:|note:)|\s*$)"

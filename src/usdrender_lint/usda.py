@@ -12,6 +12,7 @@ from functools import cached_property
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from .lazily import lazily
 from .records import dataclass
 from .results import Span
 from .usda_lines import LINE_BREAK, Lines, Range
@@ -20,9 +21,9 @@ from .usda_patterns import find_pattern
 if TYPE_CHECKING:
     from .usda_scan import Block, Scan, Statement
 
-PATH = re.compile(r"(?P<prim>(?:[^.{]|\{[^}]*\})*)(?:\.(?P<property>[^\[]*))?")
-STEP = re.compile(r"\{(?P<set>[^={}]*)=(?P<variant>[^{}]*)\}|(?P<prim>[^/{}]+)")
-ESCAPE = re.compile(rb"\\(?:x([0-9a-fA-F]{0,2})|([0-7]{1,3})|(.))", re.S)
+PATH = lazily(r"(?P<prim>(?:[^.{]|\{[^}]*\})*)(?:\.(?P<property>[^\[]*))?")
+STEP = lazily(r"\{(?P<set>[^={}]*)=(?P<variant>[^{}]*)\}|(?P<prim>[^/{}]+)")
+ESCAPE = lazily(rb"\\(?:x([0-9a-fA-F]{0,2})|([0-7]{1,3})|(.))", re.S)
 CONTROL = dict(zip(b"abfnrtv", b"\a\b\f\n\r\t\v", strict=True))
 
 KEYWORDS = {

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import re
 from array import array
 from bisect import bisect_left
 from itertools import islice
 
+from .lazily import lazily
+
 Range = tuple[int, int]
 """The first byte of a stretch of text, and the one after its last."""
 
-LINE_BREAK = re.compile(rb"\r\n|\n|\r")
+LINE_BREAK = lazily(rb"\r\n|\n|\r")
 
 
 class Lines:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from .lazily import lazily
+
 _CONDITION = r"""\{(?:[^{}"'\\]|\\.|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')*\}"""
-_TERM = re.compile(rf"%(?:[\w/.:-]|\.\.)*|(?:[^\s(){{}}+&~\-\[\]]|\[[^\]]*\]|{_CONDITION})+", re.S)
+_TERM = lazily(rf"%(?:[\w/.:-]|\.\.)*|(?:[^\s(){{}}+&~\-\[\]]|\[[^\]]*\]|{_CONDITION})+", re.S)
 """A pattern or a reference; what is between them are operators and blanks."""
-_UNSAID = re.compile(r"[\s\"']+")
+_UNSAID = lazily(r"[\s\"']+")
 """USD gives conditions back with other blanks and quotes than they were written with."""
 
 

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from dataclasses import field
 from functools import cached_property
 
+from .lazily import lazily
 from .records import dataclass
 from .usda_lines import LINE_BREAK, Range
 
@@ -39,43 +40,43 @@ WORD = rb"[A-Za-z_\x80-\xff][\w\x80-\xff]*+"
 TYPE = WORD + rb"(?:::" + WORD + rb")*+"
 OPERATION = rb"(?:(?P<operation>add|append|prepend|delete|reorder)" + GAP + rb")?"
 
-SEPARATORS = re.compile(PAD)
-NEXT_BRACE = re.compile(  # or a long stretch without any mark
+SEPARATORS = lazily(PAD)
+NEXT_BRACE = lazily(  # or a long stretch without any mark
     rb"(?:[^{}\"'#@/]{1,256}+(?=[{}\"'#@/]|\Z)" + OPAQUE + rb"([{}]|\Z|)", re.S
 )
 MARKS = (b"{", b"}", b'"', b"'", b"#", b"@", b"/")
 NEXT_OF_KIND = {
-    b"(": re.compile(rb"(?:[^()\"'#@/]++" + OPAQUE + rb"([()]|\Z)", re.S),
-    b"[": re.compile(rb"(?:[^\]\[\"'#@/]++" + OPAQUE + rb"([\]\[]|\Z)", re.S),
+    b"(": lazily(rb"(?:[^()\"'#@/]++" + OPAQUE + rb"([()]|\Z)", re.S),
+    b"[": lazily(rb"(?:[^\]\[\"'#@/]++" + OPAQUE + rb"([\]\[]|\Z)", re.S),
 }
-NEXT_COMMENT = re.compile(
+NEXT_COMMENT = lazily(
     rb"(?:[^\"'#@/]++|" + STRING + rb"|" + ASSET + rb"|/(?![/*]))*+(" + COMMENT + rb"|\Z)", re.S
 )
-NEXT_CODE = re.compile(  # comments that have their lines for themselves are passed over
+NEXT_CODE = lazily(  # comments that have their lines for themselves are passed over
     rb"(?:[ \t]*+(?:\r\n|\n|\r)[ \t]*+" + COMMENT + rb")*[ \t]*+(?:\r\n|\n|\r)", re.S
 )
-REST_OF_STATEMENT = re.compile(rb"(?:[^\]\[(){}\r\n;\"'#@/]++" + OPAQUE, re.S)
-ITEM = re.compile(  # an asset and the prim in it are one item: an arc
+REST_OF_STATEMENT = lazily(rb"(?:[^\]\[(){}\r\n;\"'#@/]++" + OPAQUE, re.S)
+ITEM = lazily(  # an asset and the prim in it are one item: an arc
     rb"(?:[\s,:;]++|" + COMMENT + rb")*+(?P<item>" + STRING + rb"|" + ASSET + rb"(?:" + SPACE
     + PRIM_PATH + rb")?+|" + PRIM_PATH + rb"|[({\[]|[^\]\[(){}<>\s,:;\"'@#=/]++)",
     re.S,
 )  # fmt: skip
-LEADING_ASSET = re.compile(ASSET)
+LEADING_ASSET = lazily(ASSET)
 
 # Metadata without parentheses of its own is taken along: the way through many siblings is short.
 BODY = PAD + rb"(?:\((?P<metadata>(?:[^()\"'#@/]++" + OPAQUE + rb")\)" + PAD + rb")?(?P<open>[({])"
-PRIM = re.compile(
+PRIM = lazily(
     rb"(?P<specifier>def|over|class)" + GAP + rb"(?:(?P<type>" + TYPE + rb"(?:" + SPACE + rb"\."
     + SPACE + TYPE + rb")*+)" + GAP + rb")?(?P<name>" + STRING + rb")" + BODY,
     re.S,
 )  # fmt: skip
-VARIANT_SET = re.compile(
+VARIANT_SET = lazily(
     rb"variantSet" + GAP + rb"(?P<name>" + STRING + rb")" + PAD + rb"=" + PAD + rb"(?P<open>\{)",
     re.S,
 )
-VARIANT = re.compile(rb"(?P<name>" + STRING + rb")" + BODY, re.S)
-ORDER = re.compile(rb"reorder" + GAP + rb"(?P<name>nameChildren|properties|rootPrims)" + SPACE)
-PROPERTY = re.compile(
+VARIANT = lazily(rb"(?P<name>" + STRING + rb")" + BODY, re.S)
+ORDER = lazily(rb"reorder" + GAP + rb"(?P<name>nameChildren|properties|rootPrims)" + SPACE)
+PROPERTY = lazily(
     OPERATION + rb"(?:(?P<custom>custom)" + GAP + rb")?"
     rb"(?:(?P<variability>uniform|config|varying)" + GAP + rb")?"
     rb"(?P<type>" + TYPE + rb"(?:" + SPACE + rb"\[" + SPACE + rb"\])?)" + GAP + rb"(?P<name>" + WORD
@@ -83,8 +84,8 @@ PROPERTY = re.compile(
     + SPACE + rb"(?:\." + SPACE + rb"(?P<suffix>timeSamples|connect|spline|default)\b" + SPACE
     + rb")?",
 )  # fmt: skip
-METADATA = re.compile(OPERATION + rb"(?P<name>" + TYPE + rb")" + SPACE)
-DICTIONARY = re.compile(
+METADATA = lazily(OPERATION + rb"(?P<name>" + TYPE + rb")" + SPACE)
+DICTIONARY = lazily(
     rb"(?P<type>" + TYPE + rb"(?:" + SPACE + rb"\[" + SPACE + rb"\])?)" + GAP
     + rb"(?P<name>" + STRING + rb"|" + WORD + rb")" + SPACE,
     re.S,
@@ -289,7 +290,7 @@ class Scan:
         """The statements of a property."""
         for start, end in self.contents(block).properties.get(name, ()):
             if match := PROPERTY.match(self._data, start, end):
-                yield self._statement(match, end)
+                yield self._statement(match, end, of_property=True)
 
     def metadata(self, inside: Range) -> Iterator[Statement]:
         """The entries of a block of metadata. A bare string is its own name."""
@@ -350,7 +351,9 @@ class Scan:
             position = min(self._inside(position)[1] + 1, end)
         return position
 
-    def _statement(self, head: re.Match[bytes], end: int) -> Statement:
+    def _statement(
+        self, head: re.Match[bytes], end: int, *, of_property: bool = False
+    ) -> Statement:
         """What follows a head: a value, which in metadata may be several items, and metadata."""
         words = head.groupdict()
         found = {name: head.span(name) for name, word in words.items() if word}
@@ -358,8 +361,8 @@ class Scan:
         items = list(self.items((head.end() + assigned, end)))
         value = metadata = None
         if assigned and items:
-            value = items[0][0], items[0 if head.re is PROPERTY else -1][1]
-        after = items[assigned] if head.re is PROPERTY and len(items) > assigned else None
+            value = items[0][0], items[0 if of_property else -1][1]
+        after = items[assigned] if of_property and len(items) > assigned else None
         if after and self._data[after[0]] == 0x28:
             metadata = after[0] + 1, after[1] - 1
         return Statement(

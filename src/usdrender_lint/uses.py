@@ -17,11 +17,12 @@ from pathlib import Path
 from .crate import tokens_of
 from .discover import USD_SUFFIXES, RealPaths
 from .handed import bytes_at
+from .lazily import lazily
 from .records import dataclass
 
-_ASSET = re.compile(rb"@(?=([^@\r\n]*+)@)")
+_ASSET = lazily(rb"@(?=([^@\r\n]*+)@)")
 """Whatever stands between two marks of a line: a stray one, as of a comment, shifts no others."""
-_TRIPLED = re.compile(rb"@@@([^\r\n]*?)@@@")
+_TRIPLED = lazily(rb"@@@([^\r\n]*?)@@@")
 _SUFFIXES = tuple(suffix.encode() for suffix in USD_SUFFIXES)
 _HEAD = 64 * 1024
 """Bytes in which the metadata of a text layer mostly ends."""

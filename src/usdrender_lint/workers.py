@@ -8,31 +8,26 @@ is there (1 ms, and no thread that could be lost by it); elsewhere it is started
 
 from __future__ import annotations
 
-import io
 import math
 import os
-import pickle
 import select
 import signal
 import sys
-import threading
 import time
 from collections import deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import field, replace
-from pathlib import Path
-from typing import Any, NoReturn, Protocol
 
+from . import headstart
+from .copies import can_be_copied, copied, fill_closed_streams
 from .discover import Shown
-from .discover import Target as File
-from .handed import accept, handed_over
-from .lint import Asked, Config, FileResult, lint_here
-from .machine import cores, most_memory
+from .frames import Channel, framed, frames_in, packed, unpacked
+from .lint import Asked, FileResult, lint_here
+from .machine import cores
 from .records import dataclass
-from .registry import all_rules
 from .results import Problem
-from .rule import AnyRule, Rule
+from .worker import Limits, Linting, Named, Order, Work, begin, introduced, serve
 
 FEW = 12
 """Files for which one worker is enough: another one would first import USD, too."""
@@ -46,55 +41,14 @@ _TICK = 0.1
 _LONGEST = 3600.0
 """Seconds to sleep at a stretch."""
 _CHUNK = 16
-_HEAD = 8
 _START_LIMIT = 60.0
 """Until a started Python must have said that it is there; it may turn out to be another program."""
 _PATIENCE = 1.0
 """For what was killed to be gone. What waits for a dead file server is not."""
 
 
-class Named(Protocol):
-    """A file, and whatever else there is to know about it."""
-
-    @property
-    def shown(self) -> str: ...
-
-
 Progress = Callable[[int, int, Named | None], None]
 """How many are done, of how many, and which one takes the longest by now."""
-
-
-class Work(Protocol):
-    """What a worker does. It crosses to another process, so it has to be known by name there."""
-
-    def prepare(self) -> None:
-        """What has to be done once, and is not the fault of a file."""
-
-    def __call__(self, file: Any, /) -> FileResult: ...
-
-
-@dataclass(frozen=True, slots=True)
-class Order:
-    file: File
-    config: Config
-
-    @property
-    def shown(self) -> str:
-        return self.file.shown
-
-
-@dataclass(frozen=True, slots=True)
-class Linting:
-    shown: Shown
-    handed: Mapping[str, str] = field(default_factory=handed_over)
-
-    def prepare(self) -> None:
-        from . import lint_file  # noqa: F401 it imports USD
-
-        accept(self.handed)
-
-    def __call__(self, order: Order, /) -> FileResult:
-        return lint_here([(order.file, order.config)], self.shown)[0]
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,7 +68,7 @@ class Isolated:
 
     @contextmanager
     def keeping(self) -> Iterator[Isolated]:
-        kept: list[Worker] = []
+        kept = _begun_early()
         try:
             yield replace(self, kept=kept)
         finally:
@@ -125,7 +79,7 @@ class Isolated:
         start = _way()
         if start is None or self.jobs == 0 or not asked:
             return lint_here(asked, shown)
-        _fill_closed_streams()
+        fill_closed_streams()
         results = run(Linting(shown), [Order(*one) for one in asked], self, start)
         # What no worker could be started for.
         left = [one for one, result in zip(asked, results, strict=True) if result is None]
@@ -142,16 +96,6 @@ class Isolated:
         return 1 if files < FEW else min(cores(), math.ceil(files / FEW) + 1, MOST)
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What one worker may take."""
-
-    seconds: float
-    """For one file; 0: as many as it likes."""
-    threads: int | None
-    """Of USD, which takes one for each core by itself; None: as many as it likes."""
-
-
 Start = Callable[[Work, Sequence[Named], Isolated, "Sequence[Worker]"], "Worker"]
 """A new worker, which must not hold on to what belongs to those that are there."""
 
@@ -160,75 +104,6 @@ def run(work: Work, files: Sequence[Named], how: Isolated, start: Start) -> list
     """A result for each file; None where workers cannot be had."""
     with _Crew(work, files, how, start) as crew:
         return crew.run()
-
-
-# What is said between this process and a worker: frames, each after its length.
-
-
-class Channel(Protocol):
-    """A socket, or what looks like one."""
-
-    def fileno(self) -> int: ...
-    def recv(self, size: int, /) -> bytes: ...
-    def sendall(self, data: bytes, /) -> None: ...
-    def close(self) -> None: ...
-
-
-class _Pipes:
-    """One end of a pair of pipes: importing `socket` would cost more than starting the worker."""
-
-    def __init__(self, read: int, write: int) -> None:
-        self._read, self._write = read, write
-
-    def fileno(self) -> int:
-        return self._read
-
-    def recv(self, size: int, /) -> bytes:
-        return os.read(self._read, size)
-
-    def sendall(self, data: bytes, /) -> None:
-        rest = memoryview(data)
-        while rest:
-            rest = rest[os.write(self._write, rest) :]
-
-    def close(self) -> None:
-        os.close(self._read)
-        os.close(self._write)
-
-
-def _framed(data: bytes) -> bytes:
-    return len(data).to_bytes(_HEAD, "little") + data
-
-
-def _receive(channel: Channel) -> bytes:
-    size = int.from_bytes(_exactly(channel, _HEAD), "little")
-    return _exactly(channel, size)
-
-
-def _exactly(channel: Channel, size: int) -> bytes:
-    data = bytearray()
-    while len(data) < size:
-        if not (more := channel.recv(min(size - len(data), 1 << 20))):
-            raise EOFError
-        data += more
-    return bytes(data)
-
-
-def _rule(id: str) -> AnyRule:
-    return all_rules()[id]
-
-
-def packed(value: object) -> bytes:
-    """Rules are known on both sides: they cross by their names."""
-    stream = io.BytesIO()
-    pickler = pickle.Pickler(stream, pickle.HIGHEST_PROTOCOL)
-    pickler.dispatch_table = {Rule: lambda rule: (_rule, (rule.id,))}
-    pickler.dump(value)
-    return stream.getvalue()
-
-
-def unpacked(data: bytes) -> Any:
-    return pickle.loads(data)  # noqa: S301 of our own workers
 
 
 # This process
@@ -251,14 +126,21 @@ class Worker:
     """Nothing that it did before can have harmed it."""
     knows: bool = True
     """The files of this run by their numbers, since it was started for it."""
+    introduced: bool = True
+    """It knows what its work is."""
     heard: bytearray = field(default_factory=bytearray)
+
+    def introduce(self, work: Work, limits: Limits) -> None:
+        self.introduced = True
+        with suppress(OSError):  # it has died: that is noticed where it is listened to
+            self.channel.sendall(introduced(work, (), limits))
 
     def give(self, numbers: Sequence[int], files: Sequence[Named]) -> None:
         self.files.extend(numbers)
         self.since = time.monotonic()
         said = tuple(n if self.knows else files[n] for n in numbers)
         with suppress(OSError):  # it has died: that is noticed where it is listened to
-            self.channel.sendall(_framed(packed(said)))
+            self.channel.sendall(framed(packed(said)))
 
     def hear(self) -> list[bytes] | None:
         """The frames that are there by now, None when there will be no more."""
@@ -269,14 +151,7 @@ class Worker:
         if not data:
             return None
         self.heard += data
-        frames = []
-        while len(self.heard) >= _HEAD:
-            end = _HEAD + int.from_bytes(self.heard[:_HEAD], "little")
-            if len(self.heard) < end:
-                break
-            frames.append(bytes(self.heard[_HEAD:end]))
-            del self.heard[:end]
-        return frames
+        return frames_in(self.heard)
 
     def kill(self) -> None:
         with suppress(OSError):  # it has gone by itself
@@ -336,6 +211,8 @@ class _Crew:
     def _call_back(self) -> None:
         while self._how.kept and self._left:
             worker = self._how.kept.pop()
+            if not worker.introduced:
+                worker.introduce(self._work, self._how.limits(len(self._files)))
             worker.knows = False
             self._workers.append(worker)
             worker.give(self._next(), self._files)
@@ -478,80 +355,24 @@ def _way() -> Start | None:
     and cannot be copied."""
     if "pxr" in sys.modules:
         return None
-    # macOS forbids its own libraries in a copied process.
-    if hasattr(os, "fork") and sys.platform != "darwin" and _is_alone():
+    if can_be_copied():
         return forked
     return spawned if sys.executable and not getattr(sys, "frozen", False) else None
 
 
-def _fill_closed_streams() -> None:
-    """A stream that was closed leaves its number to the next pipe, which a worker would then take
-    for the stream."""
-    while (number := os.open(os.devnull, os.O_RDWR)) < 3:
-        pass
-    os.close(number)
-
-
-def _is_alone() -> bool:
-    """A copied process has one thread only, and every lock that another one held stays locked."""
-    try:
-        return sum(1 for _ in Path("/proc/self/task").iterdir()) == 1
-    except OSError:
-        return threading.active_count() == 1
-
-
 def forked(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[Worker]) -> Worker:
     """A copy of this process."""
-    tasks, results, life = os.pipe(), os.pipe(), os.pipe()
-    ours = _Lifeline(results[0], tasks[1], life[1])
-    pid = os.fork()
-    if pid == 0:
-
-        def serve_as_copy() -> None:
-            for end in (ours, *(other.channel for other in others)):
-                end.close()
-            _settle_down(life[0])
-            serve(_Pipes(tasks[0], results[1]), work, files, how.limits(len(files)))
-
-        _do_and_exit(serve_as_copy)
-    for theirs in (tasks[0], results[1], life[0]):
-        os.close(theirs)
-    return Worker(ours, pid, lambda: _exit_code(pid))
+    limits = how.limits(len(files))
+    copy = copied(
+        lambda channel: serve(channel, work, files, limits), [other.channel for other in others]
+    )
+    return Worker(copy.channel, copy.pid, copy.gone)
 
 
-class _Lifeline(_Pipes):
-    """And a pipe that says nothing: it breaks when this process is gone."""
-
-    def __init__(self, read: int, write: int, life: int) -> None:
-        super().__init__(read, write)
-        self._life = life
-
-    def close(self) -> None:
-        super().close()
-        os.close(self._life)
-
-
-def _exit_code(pid: int) -> int | None:
-    try:
-        ended, status = os.waitpid(pid, os.WNOHANG)
-    except ChildProcessError:  # somebody ignores the ends of children
-        return 0
-    return os.waitstatus_to_exitcode(status) if ended else None
-
-
-def _settle_down(life: int) -> None:
-    """Become a process that neither speaks nor outlives its parent."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent tells when to end
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
-    nothing = os.open(os.devnull, os.O_RDWR)
-    for stream in range(3):
-        os.dup2(nothing, stream)
-    if sys.platform == "linux":
-        import fcntl
-
-        # The signal that the pipe is broken reaches even a process that hangs: it ends it.
-        fcntl.fcntl(life, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(life, fcntl.F_SETFL, os.O_ASYNC)
+def _begun_early() -> list[Worker]:
+    """The copy that was made before it was known what for."""
+    copy = headstart.claim()
+    return [Worker(copy.channel, copy.pid, copy.gone, introduced=False)] if copy else []
 
 
 def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[Worker]) -> Worker:
@@ -560,7 +381,7 @@ def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[
     import subprocess
 
     ours, theirs = socket.socketpair()
-    code = f"import sys; sys.path[:] = {sys.path!r}; from {__name__} import begin; begin()"
+    code = f"import sys; sys.path[:] = {sys.path!r}; from {begin.__module__} import begin; begin()"
     command = [sys.executable, "-c", code]
     number = theirs.fileno()
     windows = sys.platform == "win32"
@@ -579,68 +400,6 @@ def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[
     worker = Worker(ours, process.pid, process.poll)
     ours.settimeout(_START_LIMIT)  # it may turn out to be no Python that listens
     with suppress(OSError):
-        ours.sendall(_framed(packed((work, tuple(files), how.limits(len(files))))))
+        ours.sendall(introduced(work, files, how.limits(len(files))))
     ours.settimeout(None)
     return worker
-
-
-# The worker
-
-
-def begin() -> None:
-    """What a Python that was started as a worker does."""
-    import socket
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent tells when to end
-    if sys.platform == "win32":
-        channel = socket.fromshare(sys.stdin.buffer.read())
-    else:
-        channel = socket.socket(fileno=int(sys.argv[1]))
-    work, files, limits = unpacked(_receive(channel))
-    _do_and_exit(lambda: serve(channel, work, files, limits))
-
-
-def _do_and_exit(task: Callable[[], None]) -> NoReturn:
-    """Without what Python does at its end: in a copy, what the other process still has to write or
-    to clean up is not ours."""
-    code = 1
-    try:
-        task()
-        code = 0
-    finally:
-        os._exit(code)
-
-
-def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:
-    """Lint what is asked for, until nobody asks any more."""
-    _limit_resources()
-    if limits.threads is not None:  # before USD is loaded; what a person says about it stands
-        os.environ.setdefault("PXR_WORK_THREAD_LIMIT", str(limits.threads))
-    work.prepare()
-    channel.sendall(_framed(b""))
-    while True:
-        try:
-            asked = unpacked(_receive(channel))
-        except (EOFError, OSError):
-            return
-        for one in asked:
-            if limits.seconds and hasattr(signal, "alarm"):
-                # Should nobody be left to tell that it takes too long.
-                signal.alarm(math.ceil(limits.seconds) + 5)
-            file = files[one] if isinstance(one, int) else one
-            channel.sendall(_framed(packed(work(file))))
-        if hasattr(signal, "alarm"):  # waiting for more takes as long as it takes
-            signal.alarm(0)
-
-
-def _limit_resources() -> None:
-    """A damaged file may ask for all the memory there is; and a crash need not be kept."""
-    if sys.platform != "win32":
-        import resource
-
-        # Layers that are mapped into memory do not count as data.
-        for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_DATA, most_memory())):
-            soft, hard = resource.getrlimit(kind)
-            known = [limit for limit in (most, soft) if limit not in (None, resource.RLIM_INFINITY)]
-            with suppress(OSError, ValueError):
-                resource.setrlimit(kind, (min(known, default=soft), hard))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
+from ..lazily import lazily
 from ..patterns import PatternError, check
 from ..records import dataclass
 from ..registry import UnknownRuleError, all_rules, matching
@@ -14,7 +15,7 @@ from .kinds import Flag, Kind, ListOf, Table, TableOf, Word, one_of
 LEVELS = (*(str(s) for s in Severity), "off")
 GATES = (*(str(s) for s in Severity), "never")
 
-_PRIM_PATH = re.compile(r"(?:/[^\W\d]\w*)+")
+_PRIM_PATH = lazily(r"(?:/[^\W\d]\w*)+")
 
 
 def _rule_fault(value: str) -> str | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 
+from ..lazily import lazily
 from ..records import dataclass
 
 Path = tuple[str | int, ...]
@@ -31,15 +32,15 @@ class Places:
     values: dict[Path, Stretch]
 
 
-_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
-_SPACE = re.compile(r"[ \t]*")
-_BARE_KEY = re.compile(r"[A-Za-z0-9_-]+")
-_STRING = re.compile(
+_BLANK = lazily(r"(?:[ \t\r\n]|#[^\n]*)*")
+_SPACE = lazily(r"[ \t]*")
+_BARE_KEY = lazily(r"[A-Za-z0-9_-]+")
+_STRING = lazily(
     r'"""(?:\\.|[^\\])*?"""(?:"{0,2})' r"|'''.*?'''(?:'{0,2})" r'|"(?:\\.|[^"\\])*"' r"|'[^']*'",
     re.S,
 )
 # A date may be parted from its time by a space.
-_BARE_VALUE = re.compile(r"\d{4}-\d\d-\d\d \d\d:[^\s,\]}#]*|[^\s,\]}#]+")
+_BARE_VALUE = lazily(r"\d{4}-\d\d-\d\d \d\d:[^\s,\]}#]*|[^\s,\]}#]+")
 
 
 def places(text: str) -> Places:

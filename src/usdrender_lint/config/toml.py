@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
+from ..lazily import lazily
 from . import ConfigError, Wrong
 from .places import Stretch
 from .wrong import wrong_at
 
-_AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_AT = lazily(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
 def load(file: Path) -> tuple[str, dict[str, Any]]:

@@ -7,10 +7,10 @@ joins just the two items beside it.
 
 from __future__ import annotations
 
-import re
 from functools import lru_cache
 from typing import NoReturn
 
+from ..lazily import lazily
 from .dialects import Dialect
 from .problem import PREFIX, Problem, shown, unknown, unknown_prefix
 from .tree import (
@@ -31,7 +31,7 @@ from .tree import (
 
 DEEPEST = 50
 """Real expressions nest three deep. Open Shading Language has no limit but the machine's stack."""
-DIGITS = re.compile(r"[0-9]*")
+DIGITS = lazily(r"[0-9]*")
 REPETITIONS: dict[str, tuple[int, int | None]] = {"*": (0, None), "+": (1, None), "?": (0, 1)}
 
 

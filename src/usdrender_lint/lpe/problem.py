@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
-
+from ..lazily import lazily
 from ..records import dataclass
 from .dialects import ALL, CAMERA, MEANINGS, Dialect, titles
 
-PREFIX = re.compile(r"[A-Za-z_][A-Za-z0-9_]*;")
+PREFIX = lazily(r"[A-Za-z_][A-Za-z0-9_]*;")
 CLOSING = {"(": ")", "[": "]", "<": ">", "{": "}"}
-_NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+_NAME = lazily(r"[A-Za-z_][A-Za-z0-9_]*")
 _BLANKS = {" ": "a space", "\t": "a tab", "\n": "a line break", "\r": "a line break"}
 _LOOKALIKES = {
     "\u0410": "A", "\u0412": "B", "\u0421": "C", "\u041e": "O", "\u0422": "T", "\u0405": "S",

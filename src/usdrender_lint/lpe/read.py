@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import re
-
+from ..lazily import lazily
 from .dialects import ALL, CAMERA, OSL, Dialect
 from .parse import parse
 from .problem import Problem
@@ -14,7 +13,7 @@ _PREFIX = "lpe:"
 _MARKS = frozenset("<[*+")
 """What no plain AOV name holds."""
 # Houdini's $F, ${NAME} and `expressions`; a label may hold anything.
-_VARIABLE = re.compile(r"\$[A-Za-z_{]|`")
+_VARIABLE = lazily(r"\$[A-Za-z_{]|`")
 
 
 def read(text: str, dialects: tuple[Dialect, ...] = ALL) -> Expression | Problem:

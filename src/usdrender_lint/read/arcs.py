@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
@@ -10,6 +9,7 @@ from functools import cached_property
 from pxr import Pcp, Sdf, Usd
 
 from ..discover import USD_SUFFIXES
+from ..lazily import lazily
 from ..model import ArcError, Site
 from ..opening import ParseProblem, Unreadable, open_layer, open_member
 from ..records import dataclass
@@ -30,11 +30,11 @@ _FOUND_ON_SPECS = {
     "ErrorAssetPathError",
 }
 _EXPRESSION = "ErrorVariableExpressionError"
-_SPEC = re.compile(r" at (/\S*) in @(.*?)@: ")
+_SPEC = lazily(r" at (/\S*) in @(.*?)@: ")
 _OF_SUBLAYERS = {"ErrorInvalidSublayerPath", _EXPRESSION}
 
 
-_SCHEME = re.compile(r"[A-Za-z][\w+.-]+:")
+_SCHEME = lazily(r"[A-Za-z][\w+.-]+:")
 """Of a URI, which a resolver of the studio or the host application reads; not a drive's letter."""
 
 

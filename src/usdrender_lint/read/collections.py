@@ -9,6 +9,7 @@ from typing import Any
 
 from pxr import Sdf, Tf, Usd
 
+from ..lazily import lazily
 from ..model import Collection, Gives, Lost, Member, OtherCollection, Pattern, Rel, Site, State
 from ..records import dataclass
 from ..sites import node_of, out_of_namespace_of
@@ -29,7 +30,7 @@ from .text import Texts
 from .values import Asked, plain_expression, plain_text, read_attr
 
 _MANY = 64
-_QUOTED = re.compile(r'"(\w+)"')
+_QUOTED = lazily(r'"(\w+)"')
 """USD puts the arguments of predicates in quotes, where people do not."""
 
 

@@ -12,10 +12,11 @@ import re
 from pxr import Sdf, Tf
 
 from ..diagnostics import sentences
+from ..lazily import lazily
 from ..model import Layer, Site
 from .text import Texts
 
-_AT = re.compile(r"at character (\d+)(?: \(.*?\))?:\s*(.*)", re.DOTALL)
+_AT = lazily(r"at character (\d+)(?: \(.*?\))?:\s*(.*)", re.DOTALL)
 
 
 def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:

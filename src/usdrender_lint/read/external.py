@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import re
-
 from pxr import Sdf, Tf, Usd
 
+from ..lazily import lazily
 from ..model import Rel, Site, State, Target
 from ..opening import open_layer
 from ..stage import kinds_of
 from .targets import state_of
 
 _USD = frozenset({".usd", ".usda", ".usdc", ".usdz"})
-_LATER = re.compile(r"^[A-Za-z][\w+.-]+:|[$<{%#`*]")
+_LATER = lazily(r"^[A-Za-z][\w+.-]+:|[$<{%#`*]")
 """A scheme that another resolver knows, or something that is filled in before the name is used."""
 
 

@@ -10,13 +10,14 @@ from pathlib import Path
 from pxr import Sdf, Usd
 
 from ..handed import bytes_at
+from ..lazily import lazily
 from .crate_types import crate_types
 from .specs import children_of, there, variants_of
 
 _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
-_TYPE = re.compile(f"(?:Usd)?[Rr]ender{_KIND}")
+_TYPE = lazily(f"(?:Usd)?[Rr]ender{_KIND}")
 """Of the names that come near a type's, only these are looked for outside the scopes."""
-_WORD = re.compile(  # with a literal beginning the search is eight times as fast
+_WORD = lazily(  # with a literal beginning the search is eight times as fast
     rb"ender(?:(?<=\bRender)(?:Settings|Product|Var|Pass)\b"
     rb"|(?:(?<=\b[Rr]ender)|(?<=\bUsd[Rr]ender))" + _KIND.encode() + rb'(?=\s+"))'
 )

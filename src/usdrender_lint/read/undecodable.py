@@ -7,18 +7,17 @@ text is met, or prints, and leaves it out (26.11). usda text of the kind does no
 from __future__ import annotations
 
 import os
-import re
-import tempfile
 from pathlib import Path
 
 from pxr import Sdf, Tf
 
 from ..handed import bytes_at
+from ..lazily import lazily
 from ..usda import UsdaText
 
 _MOST = 64 << 20
 """Bytes of a layer that is written out as text and read again."""
-_WRITTEN = re.compile(rb"\\\\|\\x[89a-fA-F][0-9a-fA-F]")
+_WRITTEN = lazily(rb"\\\\|\\x[89a-fA-F][0-9a-fA-F]")
 """How USD writes such a byte into usda; a backslash is written as two."""
 _INSTEAD = "\ufffd"
 
@@ -57,6 +56,8 @@ def _decodable(layer: Sdf.Layer) -> tuple[str, list[str]]:
     file = layer.realPath.partition("[")[0]
     if Path(bytes_at(file)).stat().st_size > _MOST:
         return "", ["/"]
+    import tempfile  # 6 ms, and there is hardly ever such text
+
     with tempfile.TemporaryDirectory() as folder:
         written = os.path.join(folder, "layer.usda")  # noqa: PTH118 USD takes a str
         if not layer.Export(written):

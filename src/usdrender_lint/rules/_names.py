@@ -5,9 +5,10 @@ from __future__ import annotations
 import posixpath
 import re
 
+from ..lazily import lazily
 from ..rule import Renderer
 
-_FRAME_TOKEN = re.compile(
+_FRAME_TOKEN = lazily(
     r"""
       [$]F{1,3}\d*(?![A-Za-z_]) | [$]\{F{1,3}\d*\} | [$]\{?FRAME\b\}?    # husk, Houdini, shells
     | <F\d*> | <frame[^<>]*> | \{frame[^{}]*\} | \[frame\] | @Frame@?    # pipelines, Maya
@@ -17,10 +18,10 @@ _FRAME_TOKEN = re.compile(
 )
 """What some program or other replaces by the frame. USD itself replaces nothing."""
 
-_PLACEHOLDER = re.compile(r"[$]\w|[$]\{|%\w+%|[<{\[`]")
+_PLACEHOLDER = lazily(r"[$]\w|[$]\{|%\w+%|[<{\[`]")
 """Something is to be filled in before the name is used."""
 
-_NUMBER = re.compile(r"(?<!\d)\d{3,}(?=\.[A-Za-z]\w*$)")
+_NUMBER = lazily(r"(?<!\d)\d{3,}(?=\.[A-Za-z]\w*$)")
 
 _MOVIES = frozenset({".avi", ".gif", ".m4v", ".mkv", ".mov", ".mp4", ".mxf", ".webm"})
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import re
-
+from ..lazily import lazily
 from ..records import dataclass
 
-_PIXEL = re.compile(
+_PIXEL = lazily(
     r"(?P<base>half|float|double|int|uint)(?P<size>[234])?"
     r"|(?P<other>u?int64|uchar|u?int8|[iu]8|float16)"
     r"|(?:color|point|vector|normal|texCoord)(?P<length>[234])(?P<kind>[hfd]|[iu]8)"

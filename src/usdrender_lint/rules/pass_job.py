@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
+from ..lazily import lazily
 from ..likeness import likeness
 from ..model import Pass, State
 from ..rule import Context, Finding, Severity, rule
@@ -12,8 +12,8 @@ from ._words import a_or_an, nearest
 
 GROUP = "pass"
 
-_OPTION = re.compile(r"-{1,2}[A-Za-z][\w-]*[ \t]+\S")
-_VARIABLE = re.compile(r"(?<!\{)\{([A-Za-z_][\w:]*)\}(?!\})")
+_OPTION = lazily(r"-{1,2}[A-Za-z][\w-]*[ \t]+\S")
+_VARIABLE = lazily(r"(?<!\{)\{([A-Za-z_][\w:]*)\}(?!\})")
 _LIKE = 0.75
 
 

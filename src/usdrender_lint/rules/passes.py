@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Iterator, Mapping
 from itertools import pairwise
 
+from ..lazily import lazily
 from ..model import HasSite, Output, Pass, RenderScope, Settings, Site, Target
 from ..rule import Context, Finding, Severity, rule
 from ._chains import dead_ends, start_of
@@ -17,9 +18,7 @@ from ._words import paths
 
 GROUP = "pass"
 
-_PASS_TOKEN = re.compile(
-    r"[<{\[@%$]\W?(render)?_?pass(_?name)?\b|[$]\{?(render)?_?pass", re.IGNORECASE
-)
+_PASS_TOKEN = lazily(r"[<{\[@%$]\W?(render)?_?pass(_?name)?\b|[$]\{?(render)?_?pass", re.IGNORECASE)
 """Something puts the name of the pass into the name of the file."""
 
 

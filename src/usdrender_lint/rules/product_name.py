@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
+from ..lazily import lazily
 from ..model import FrameRange, Product, RenderScope
 from ..rule import Context, Finding, Renderer, Severity, rule
 from ._handful import handful
@@ -168,8 +169,8 @@ def name_only_time_sampled(scope: RenderScope, context: Context) -> Iterator[Fin
     yield from handful(found, "products")
 
 
-_VARIABLE = re.compile(r"[$]\{\w+\}|[$][A-Za-z_]\w*|%[A-Za-z_]\w*%")
-_DRIVE = re.compile(r"[A-Za-z]:")
+_VARIABLE = lazily(r"[$]\{\w+\}|[$][A-Za-z_]\w*|%[A-Za-z_]\w*%")
+_DRIVE = lazily(r"[A-Za-z]:")
 
 
 @rule(

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator
 
+from ..lazily import lazily
 from ..model import ArcError, Layer, MetadataOpinion, RenderScope, Settings, Site, State, Target
 from ..rule import Context, Finding, Severity, rule
 from ._chains import why_not_live
@@ -12,7 +12,7 @@ from ._words import a_or_an, did_you_mean, joined, paths
 
 GROUP = "stage"
 KEY = "renderSettingsPrimPath"
-_FRAME_TOKEN = re.compile(r"\$F\d*|<F\d*>|#+|%0?\d*d|\{frame\}|@Frame")
+_FRAME_TOKEN = lazily(r"\$F\d*|<F\d*>|#+|%0?\d*d|\{frame\}|@Frame")
 _CYCLES = ("cycle", "sublayer-cycle")
 _ARCS = {
     "references": "references",

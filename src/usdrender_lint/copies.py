@@ -1,0 +1,144 @@
+"""How does a process begin that is a copy of this one, and that never outlives it?
+
+Where a process can be copied, that takes 1 ms, and no thread is lost by it as long as there is only
+one. This module imports next to nothing: the sooner a copy is made, the more it can do meanwhile.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Callable, Iterable
+from contextlib import suppress
+from typing import TYPE_CHECKING, NoReturn
+
+if TYPE_CHECKING:
+    from .frames import Channel
+
+
+class Pipes:
+    """One end of a pair of pipes: importing `socket` would cost more than making the copy."""
+
+    def __init__(self, read: int, write: int) -> None:
+        self._read, self._write = read, write
+
+    def fileno(self) -> int:
+        return self._read
+
+    def recv(self, size: int, /) -> bytes:
+        return os.read(self._read, size)
+
+    def sendall(self, data: bytes, /) -> None:
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(self._write, rest) :]
+
+    def close(self) -> None:
+        os.close(self._read)
+        os.close(self._write)
+
+
+class Lifeline(Pipes):
+    """And a pipe that says nothing: it breaks when this process is gone."""
+
+    def __init__(self, read: int, write: int, life: int) -> None:
+        super().__init__(read, write)
+        self._life = life
+
+    def close(self) -> None:
+        super().close()
+        os.close(self._life)
+
+
+class Copy:
+    """A copied process, as seen from the one that made it."""
+
+    def __init__(self, channel: Lifeline, pid: int) -> None:
+        self.channel = channel
+        self.pid = pid
+
+    def kill(self) -> None:
+        with suppress(OSError):  # it has gone by itself
+            os.kill(self.pid, signal.SIGKILL)
+
+    def gone(self) -> int | None:
+        """Its exit code, as `subprocess` counts; None while it lives."""
+        try:
+            ended, status = os.waitpid(self.pid, os.WNOHANG)
+        except ChildProcessError:  # somebody ignores the ends of children
+            return 0
+        return os.waitstatus_to_exitcode(status) if ended else None
+
+
+def can_be_copied() -> bool:
+    # macOS forbids its own libraries in a copied process.
+    return hasattr(os, "fork") and sys.platform != "darwin" and _is_alone()
+
+
+def _is_alone() -> bool:
+    """A copied process has one thread only, and every lock that another one held stays locked."""
+    try:
+        return len(os.listdir("/proc/self/task")) == 1
+    except OSError:
+        import threading
+
+        return threading.active_count() == 1
+
+
+def copied(task: Callable[[Pipes], None], others: Iterable[Channel] = ()) -> Copy:
+    """A copy of this process that does `task` and ends. It holds on to nothing that belongs to the
+    `others`, and neither speaks nor listens but through its end of the pipes.
+
+    Raises `OSError` where there are too many processes, or no memory for one more.
+    """
+    tasks, results, life = os.pipe(), os.pipe(), os.pipe()
+    ours = Lifeline(results[0], tasks[1], life[1])
+    pid = os.fork()
+    if pid == 0:
+
+        def live() -> None:
+            for end in (ours, *others):
+                end.close()
+            _settle_down(life[0])
+            task(Pipes(tasks[0], results[1]))
+
+        do_and_exit(live)
+    for theirs in (tasks[0], results[1], life[0]):
+        os.close(theirs)
+    return Copy(ours, pid)
+
+
+def _settle_down(life: int) -> None:
+    """Become a process that neither speaks nor outlives its parent."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent tells when to end
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for stream in range(3):
+        os.dup2(nothing, stream)
+    if sys.platform == "linux":
+        import fcntl
+
+        # The signal that the pipe is broken reaches even a process that hangs: it ends it.
+        fcntl.fcntl(life, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(life, fcntl.F_SETFL, os.O_ASYNC)
+
+
+def do_and_exit(task: Callable[[], None]) -> NoReturn:
+    """Without what Python does at its end: in a copy, what the other process still has to write or
+    to clean up is not ours."""
+    code = 1
+    try:
+        task()
+        code = 0
+    finally:
+        os._exit(code)
+
+
+def fill_closed_streams() -> None:
+    """A stream that was closed leaves its number to the next pipe, which a copy would then take for
+    the stream."""
+    with suppress(OSError):
+        while (number := os.open(os.devnull, os.O_RDWR)) < 3:
+            pass
+        os.close(number)

@@ -1,0 +1,140 @@
+"""What does a process do that lints for another one?"""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import field
+from typing import Any, Protocol
+
+from .copies import do_and_exit
+from .discover import Shown
+from .discover import Target as File
+from .frames import Channel, framed, packed, received, unpacked
+from .handed import accept, handed_over
+from .lint import Config, FileResult, lint_here
+from .machine import most_memory
+from .records import dataclass
+
+
+class Named(Protocol):
+    """A file, and whatever else there is to know about it."""
+
+    @property
+    def shown(self) -> str: ...
+
+
+class Work(Protocol):
+    """What a worker does. It crosses to another process, so it has to be known by name there."""
+
+    def prepare(self) -> None:
+        """What has to be done once, and is not the fault of a file."""
+
+    def __call__(self, file: Any, /) -> FileResult: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    file: File
+    config: Config
+
+    @property
+    def shown(self) -> str:
+        return self.file.shown
+
+
+@dataclass(frozen=True, slots=True)
+class Linting:
+    shown: Shown
+    handed: Mapping[str, str] = field(default_factory=handed_over)
+
+    def prepare(self) -> None:
+        from . import lint_file  # noqa: F401 it imports USD
+
+        accept(self.handed)
+
+    def __call__(self, order: Order, /) -> FileResult:
+        return lint_here([(order.file, order.config)], self.shown)[0]
+
+
+@dataclass(frozen=True, slots=True)
+class Limits:
+    """What one worker may take."""
+
+    seconds: float
+    """For one file; 0: as many as it likes."""
+    threads: int | None
+    """Of USD, which takes one for each core by itself; None: as many as it likes."""
+
+
+def begin() -> None:
+    """What a Python that was started as a worker does."""
+    import socket
+
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent tells when to end
+    if sys.platform == "win32":
+        channel = socket.fromshare(sys.stdin.buffer.read())
+    else:
+        channel = socket.socket(fileno=int(sys.argv[1]))
+    do_and_exit(lambda: serve_whatever(channel))
+
+
+def introduced(work: Work, files: Sequence[Named], limits: Limits) -> bytes:
+    """What a process has to be told first that was not made for this very work."""
+    return framed(packed((work, tuple(files), limits)))
+
+
+def serve_whatever(channel: Channel) -> None:
+    """As `serve`, of a process that begins without knowing what it will have to do."""
+    with suppress(EOFError, OSError):  # nobody wants anything
+        serve(channel, *unpacked(received(channel)))
+
+
+def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:
+    """Lint what is asked for, until nobody asks any more."""
+    _limit_resources()
+    if limits.threads is not None:
+        _limit_threads(limits.threads)
+    work.prepare()
+    channel.sendall(framed(b""))
+    while True:
+        try:
+            asked = unpacked(received(channel))
+        except (EOFError, OSError):
+            return
+        for one in asked:
+            if limits.seconds and hasattr(signal, "alarm"):
+                # Should nobody be left to tell that it takes too long.
+                signal.alarm(math.ceil(limits.seconds) + 5)
+            file = files[one] if isinstance(one, int) else one
+            channel.sendall(framed(packed(work(file))))
+        if hasattr(signal, "alarm"):  # waiting for more takes as long as it takes
+            signal.alarm(0)
+
+
+def _limit_threads(most: int) -> None:
+    """What a person says about it stands."""
+    if "PXR_WORK_THREAD_LIMIT" in os.environ:
+        return
+    os.environ["PXR_WORK_THREAD_LIMIT"] = str(most)
+    if "pxr" in sys.modules:  # it has read its environment by now
+        from .stage import limit_threads
+
+        limit_threads(most)
+
+
+def _limit_resources() -> None:
+    """A damaged file may ask for all the memory there is; and a crash need not be kept."""
+    if sys.platform != "win32":
+        import resource
+
+        # Layers that are mapped into memory do not count as data.
+        for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_DATA, most_memory())):
+            soft, hard = resource.getrlimit(kind)
+            known = [limit for limit in (most, soft) if limit not in (None, resource.RLIM_INFINITY)]
+            with suppress(OSError, ValueError):
+                resource.setrlimit(kind, (min(known, default=soft), hard))

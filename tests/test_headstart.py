@@ -1,0 +1,188 @@
+"""Does a worker begin before it is known what for, and is it gone if it was for nothing?"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from conftest import ROOT
+from usdrender_lint import headstart, workers
+from usdrender_lint.__main__ import main
+
+CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
+ENVIRONMENT = os.environ | {
+    "PYTHONPATH": os.pathsep.join(
+        filter(None, (str(Path(workers.__file__).parents[1]), os.environ.get("PYTHONPATH")))
+    )
+}
+linux = pytest.mark.skipif(sys.platform != "linux", reason="made where processes are copied")
+
+PROGRAM = """
+import os, sys
+from pathlib import Path
+from usdrender_lint import headstart, workers
+from usdrender_lint.__main__ import program
+
+def copied(task, others=()):
+    copy = really(task, others)
+    Path("pid").write_text(str(copy.pid))
+    return copy
+
+def another(*_):
+    Path("another").touch()
+    raise OSError
+
+really = headstart.copied
+headstart.copied = copied
+if "ALONE" in os.environ:
+    workers.forked = another
+program()
+"""
+
+
+@pytest.fixture(autouse=True)
+def _in_a_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    monkeypatch.chdir(tmp_path)
+    yield
+    assert headstart.claim() is None
+
+
+def run(*args: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    return subprocess.run(
+        [sys.executable, "-c", PROGRAM, *args],
+        capture_output=True,
+        env=ENVIRONMENT | environment,
+        timeout=120,
+        check=False,
+    )
+
+
+def is_gone(pid: int) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except OSError:
+        return True
+
+
+@pytest.mark.parametrize(
+    ("args", "begins"),
+    [
+        ([str(CLEAN)], True),
+        ([str(CLEAN.parent), "-j2"], True),
+        (["-q", "-"], True),
+        ([], False),
+        (["--help"], False),
+        (["--list-rules"], False),
+        (["--explain", "dead-target"], False),
+        (["missing.usda"], False),
+    ],
+)
+def test_it_begins_where_there_may_be_something_to_lint(
+    args: list[str], begins: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[object] = []
+    monkeypatch.setattr(headstart, "copied", made.append)
+    monkeypatch.setattr(headstart, "can_be_copied", lambda: True)
+    monkeypatch.delitem(sys.modules, "pxr", raising=False)
+    headstart.begin(args)
+    assert len(made) == begins
+    headstart._begun.clear()
+
+
+def test_a_host_gets_no_process_that_it_did_not_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(headstart, "copied", None)
+    assert main([str(CLEAN), "-j0"]) == 0
+
+
+@linux
+def test_the_one_that_began_does_the_work() -> None:
+    done = run(str(CLEAN), ALONE="1")
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"No findings in 1 file.\n", b"")
+    assert not Path("another").exists()
+    assert is_gone(int(Path("pid").read_text()))
+
+
+@linux
+@pytest.mark.parametrize(
+    "args",
+    [
+        ("--nonsense", str(CLEAN)),
+        ("-j0", str(CLEAN)),
+        ("--show-files", str(CLEAN)),
+        ("--help", str(CLEAN)),
+        ("--baseline", "missing.json", str(CLEAN)),
+        (str(CLEAN), "--explain", "dead-target"),
+    ],
+)
+def test_the_one_that_nobody_needs_is_gone(args: tuple[str, ...]) -> None:
+    began = time.monotonic()
+    done = run(*args)
+    assert b"Traceback" not in done.stderr
+    pid = int(Path("pid").read_text())
+    while not is_gone(pid):
+        assert time.monotonic() < began + 60
+        time.sleep(0.01)
+
+
+@linux
+def test_it_shares_the_cores_with_those_that_come_later() -> None:
+    """USD has read its environment by then."""
+    code = """
+import os, sys
+from usdrender_lint import headstart, workers
+from usdrender_lint.discover import Target
+from usdrender_lint.lint import FileResult
+
+class Telling:
+    def prepare(self):
+        pass
+    def __call__(self, file):
+        from pxr import Work
+        return FileResult(chatter=(str(Work.GetConcurrencyLimit()), os.environ["PXR_WORK_THREAD_LIMIT"]))
+
+workers.cores = lambda: int(sys.argv[1])
+headstart.begin([sys.executable])
+with workers.Isolated(2).keeping() as how:
+    assert how.kept
+    results = workers.run(Telling(), [Target(None, "a"), Target(None, "b")], how, workers.forked)
+print({r.chatter for r in results})
+"""
+    # A limit beyond the cores of the machine is none.
+    for cores, told in ((2, "1"), (3, "1")):
+        environment = {k: v for k, v in ENVIRONMENT.items() if k != "PXR_WORK_THREAD_LIMIT"}
+        done = subprocess.run(
+            [sys.executable, "-c", code, str(cores)],
+            capture_output=True,
+            text=True,
+            env=environment,
+            timeout=120,
+            check=True,
+        )
+        assert done.stdout.strip() == str({(told, told)})
+
+
+@linux
+def test_with_standard_input_and_error_closed() -> None:
+    done = subprocess.run(
+        [
+            "sh",
+            "-c",
+            'exec "$@" <&- 2>&-',
+            "sh",
+            sys.executable,
+            "-m",
+            "usdrender_lint",
+            str(CLEAN),
+        ],
+        stdout=subprocess.PIPE,
+        env=ENVIRONMENT,
+        timeout=120,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (0, b"No findings in 1 file.\n")
