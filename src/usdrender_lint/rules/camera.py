@@ -25,6 +25,9 @@ GROUP = "camera"
 
 T = TypeVar("T")
 
+_MAYA_CAMERA = "adskUsd:externalCamera"
+"""Maya's default USD render settings have no camera in USD, but the name of one of Maya's own."""
+
 _SAME_SHAPE = 0.01
 """Ratios that differ by less are one, rounded."""
 
@@ -48,9 +51,17 @@ def _without_camera(settings: Settings, scope: RenderScope) -> Iterator[Finding]
         return
     outputs = [o for o in settings.outputs if o.product.live]
     blind = [o for o in outputs if not o.product.camera.named]
-    if not outputs:
+    if not blind:
         return
-    if len(blind) == len(outputs):
+    if (outside := settings.extra_attr(_MAYA_CAMERA)) and outside.value:
+        yield Finding(
+            outside,
+            f"<{settings.path}> is seen through Maya's own camera '{outside.value}', which is not on this stage: outside Maya {paths(o.product.path for o in blind)} will not be rendered",
+            label="not a prim",
+            help="for other renderers export that camera, and write rel camera = </path/of/the/camera>",
+            severity=Severity.NOTE,
+        )
+    elif len(blind) == len(outputs):
         dropped = paths(o.product.path for o in blind)
         yield Finding(
             _camera(settings),
