@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -91,6 +93,14 @@ def test_a_spec_that_is_not_there() -> None:
     with pytest.raises(DamagedError, match="not there"):
         there([1, None])
     assert there([1, 2]) == [1, 2]
+
+
+def test_a_prim_is_missed_before_usd_is_asked_for_arcs_and_dies() -> None:
+    file = str(ROOT / "fixtures" / "broken" / "lost_prim.usdc")
+    command = [sys.executable, "-m", "usdrender_lint", "-j", "0", "--isolated", file]
+    run = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    assert run.returncode == 2
+    assert "lost_prim.usdc: " + OPENS + "it lists a prim or variant that is not there" in run.stderr
 
 
 def test_no_damage_stops_the_tables_of_a_crate() -> None:

@@ -26,6 +26,7 @@ from .packages import split_package
 from .read import read
 from .read.expressions import ill_formed_expressions
 from .read.scene import read_scene
+from .read.specs import look_through
 from .read.text import Texts
 from .read.undecodable import loaded_layers, make_decodable
 from .read.variants import VariantSet, selecting, variant_sets
@@ -166,7 +167,7 @@ class _File:
         return result
 
     def _composed(self, layer: Sdf.Layer) -> FileResult:
-        _held, endless = sublayers_of(layer)
+        _held, endless = sublayers_of(layer, look_through)
         if endless is not None:
             return FileResult(problems=(self._unreadable(endless),))
         try:
@@ -367,6 +368,7 @@ def _brought_in(layer: Sdf.Layer) -> Iterator[str]:
     pending, seen = [layer], {layer.realPath}
     while pending:
         one = pending.pop()
+        look_through(one)
         for asset in one.GetCompositionAssetDependencies():
             file = one.ComputeAbsolutePath(asset)
             if file in seen:

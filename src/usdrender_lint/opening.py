@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import re
 import stat
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 from pxr import Sdf, Tf
 
+from .crate import mentions
 from .diagnostics import sentences
 from .discover import USD_SUFFIXES
 from .handed import bytes_at
@@ -18,8 +20,9 @@ from .packages import bytes_of, first_member, split_package
 from .records import dataclass
 
 _FOLDER = "a folder"
-_SMALL = 1_000_000
+_SMALL, _SMALL_CRATE = 1_000_000, 100_000
 """Bytes of a layer in which all asset paths are found in no time."""
+_ARCS = (b"references", b"payload")
 
 _LFS = b"version https://git-lfs.github.com/spec/v1"
 _HEADER = lazily(rb"#(?:usda|sdf)\b")
@@ -108,17 +111,22 @@ def _no_file(mode: int) -> str | None:
     return kinds.get(stat.S_IFMT(mode), "a device")
 
 
-def sublayers_of(layer: Sdf.Layer) -> tuple[list[Sdf.Layer], Unreadable | None]:
+def sublayers_of(
+    layer: Sdf.Layer, look_through: Callable[[Sdf.Layer], None]
+) -> tuple[list[Sdf.Layer], Unreadable | None]:
     """All layers below, to be held until the stage is open, which needs them, too; and a pipe or
     device that is brought in, for which USD would wait forever.
+
+    `look_through` raises for a crate that lists what is not there: asked for the arcs of such a one,
+    USD ends the process.
 
     What lies behind references is not looked at: it is opened only where the render spec needs it.
     """
     held, known = [layer], {layer.identifier}
     for one in held:
         sublayers = {one.ComputeAbsolutePath(name) for name in one.subLayerPaths}
-        others = one.GetCompositionAssetDependencies() if _is_small(one) else []
-        for file in sorted(sublayers.union(map(one.ComputeAbsolutePath, others)) - known):
+        others = map(one.ComputeAbsolutePath, _brought_in(one, look_through))
+        for file in sorted(sublayers.union(others) - known):
             known.add(file)
             try:
                 what = _no_file(Path(file).stat().st_mode)
@@ -134,10 +142,21 @@ def sublayers_of(layer: Sdf.Layer) -> tuple[list[Sdf.Layer], Unreadable | None]:
     return held, None
 
 
-def _is_small(layer: Sdf.Layer) -> bool:
-    with suppress(OSError):
-        return Path(bytes_at(layer.realPath)).stat().st_size < _SMALL
-    return False
+def _brought_in(layer: Sdf.Layer, look_through: Callable[[Sdf.Layer], None]) -> list[str]:
+    """What a small layer names in its arcs."""
+    file = bytes_at(layer.realPath)
+    is_text = file.endswith(".usda")
+    try:
+        size = Path(file).stat().st_size
+    except OSError:
+        return []
+    if size >= (_SMALL if is_text else _SMALL_CRATE):
+        return []
+    if not is_text:
+        if mentions(file, _ARCS) is False:
+            return []
+        look_through(layer)
+    return list(layer.GetCompositionAssetDependencies())
 
 
 def _wrong_format(file: str, head: bytes) -> Unreadable | None:

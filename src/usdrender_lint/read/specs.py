@@ -32,3 +32,12 @@ def variants_of(spec: Sdf.PrimSpec) -> list[Sdf.PrimSpec]:
     """The prims of all variants of all variant sets."""
     sets = there(spec.variantSets.values())
     return there(v.primSpec for one in sets for v in there(one.variants.values()))
+
+
+def look_through(layer: Sdf.Layer) -> None:
+    """Raise if a prim or variant is listed and not there."""
+    pending = there(layer.rootPrims)
+    while pending:
+        one = pending.pop()
+        pending += children_of(one)
+        pending += variants_of(one)
