@@ -95,6 +95,19 @@ def test_it_begins_where_there_may_be_something_to_lint(
     headstart._begun.clear()
 
 
+@linux
+def test_with_one_core_there_is_nothing_to_gain(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[object] = []
+    monkeypatch.setattr(headstart, "copied", made.append)
+    monkeypatch.setattr(headstart, "can_be_copied", lambda: True)
+    monkeypatch.delitem(sys.modules, "pxr", raising=False)
+    for cores in ({3}, {0, 3}):
+        monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
+        headstart.begin([str(CLEAN)])
+    assert len(made) == 1
+    headstart._begun.clear()
+
+
 def test_a_host_gets_no_process_that_it_did_not_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(headstart, "copied", None)
     assert main([str(CLEAN), "-j0"]) == 0

@@ -21,13 +21,18 @@ def begin(argv: Sequence[str]) -> None:
     then the work begins when it is known."""
     if not any(arg == "-" or os.path.exists(arg) for arg in argv):
         return
-    if "pxr" in sys.modules or not can_be_copied():
+    if "pxr" in sys.modules or not can_be_copied() or _has_one_core():
         return
     fill_closed_streams()
     try:
         _begun.append(copied(_get_ready))
     except OSError:  # too many processes, or no memory for one more
         return
+
+
+def _has_one_core() -> bool:
+    """Nothing would be done meanwhile, and what both import would be imported twice."""
+    return hasattr(os, "sched_getaffinity") and len(os.sched_getaffinity(0)) == 1
 
 
 def _get_ready(channel: Pipes) -> None:
