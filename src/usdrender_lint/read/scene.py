@@ -6,9 +6,10 @@ layers do not mention at all, by their text or their tokens, is not walked for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import field
 from functools import cache
+from typing import TypeVar
 
 from pxr import Sdf, Usd
 
@@ -26,6 +27,8 @@ from ..records import dataclass
 from .collections import membership
 from .metadata import KEY, opinion_of
 from .text import text_of
+
+T = TypeVar("T")
 
 _LIGHT_TYPES = frozenset(
     {
@@ -50,7 +53,8 @@ def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
     primvars = {v.source_name.value for v in scope.vars if v.source_type.value == "primvar"}
     asked = ("purpose", _BINDING, *_LIGHT_SCHEMAS, *map(_primvar, primvars))
     words = _Words(stage, asked)
-    walked = _walk(stage, words)
+    watching = [p for p in scope.passes if p.live and _hides(p)]
+    walked = _walk(stage, words, for_passes=bool(watching))
     return Scene(
         scope.root,
         Site("/"),
@@ -58,7 +62,7 @@ def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
         tuple(PurposeUse(p, seen.count, _site(seen)) for p, seen in walked.purposes.items()),
         tuple(BindingUse(b, seen.count, _site(seen)) for b, seen in walked.bindings.items()),
         frozenset(name for name in primvars if words.mention(_primvar(name))),
-        tuple(_pass_views(stage, scope, walked)),
+        tuple(_pass_view(stage, one, walked) for one in watching if walked.lights),
         tuple(
             opinion_of(layer, counts=False)
             for layer in _beyond_the_layer_stack(stage)
@@ -113,21 +117,22 @@ _UNBOUND = frozenset[str]()
 _DEEPEST = 4095
 
 
-def _walk(stage: Usd.Stage, words: _Words) -> _Walked:
+def _walk(stage: Usd.Stage, words: _Words, *, for_passes: bool) -> _Walked:
     """Asks a prim as little as it can: every question takes several times as long as the step from
-    one prim to the next."""
+    one prim to the next. Where nothing is to be learned, no step is taken."""
     found = _Walked()
     inherits = words.mention("purpose", _BINDING)
-    lit = words.mention(*_LIGHT_SCHEMAS)
+    if not inherits and not for_passes:
+        return found
+    lit = for_passes and words.mention(*_LIGHT_SCHEMAS)
     kinds: dict[str, str] = {}
     # What is inherited, by depth: the purpose, and the purposes that materials are bound for.
     purpose_above = [""] * (_DEEPEST + 1)
     bound_above = [_UNBOUND] * (_DEEPEST + 1)
     purpose, bound = "", _UNBOUND
     for prim in stage.Traverse():
-        path = prim.GetPath()
         if inherits:
-            depth = path.pathElementCount
+            depth = prim.GetPath().pathElementCount
             if depth >= _DEEPEST:
                 continue
             purpose, bound = purpose_above[depth - 1], bound_above[depth - 1]
@@ -143,15 +148,25 @@ def _walk(stage: Usd.Stage, words: _Words) -> _Walked:
         kind = kinds.get(type_name)
         if kind is None:
             kind = kinds[type_name] = _kind(prim, type_name)
-        if kind == "light" or (lit and kind == "geometry" and _is_light(prim)):
-            found.lights.append(path)
-        if kind == "geometry":
-            found.geometry.append(path)
-            if inherits:
-                found.purposes.setdefault(purpose or "default", _Seen(path)).count += 1
-                if bound:
-                    found.bindings.setdefault(bound, _Seen(path)).count += 1
+        if kind == "other":
+            continue
+        if for_passes:
+            if kind == "light" or (lit and _is_light(prim)):
+                found.lights.append(prim.GetPath())
+            if kind == "geometry":
+                found.geometry.append(prim.GetPath())
+        if inherits and kind == "geometry":
+            _count(found.purposes, purpose or "default", prim)
+            if bound:
+                _count(found.bindings, bound, prim)
     return found
+
+
+def _count(seen: dict[T, _Seen], what: T, prim: Usd.Prim) -> None:
+    known = seen.get(what)
+    if known is None:
+        known = seen[what] = _Seen(prim.GetPath())
+    known.count += 1
 
 
 def _kind(prim: Usd.Prim, name: str) -> str:
@@ -187,12 +202,8 @@ def _primvar(name: str) -> str:
     return f"primvars:{name.removeprefix('primvars:')}"
 
 
-def _pass_views(stage: Usd.Stage, scope: RenderScope, walked: _Walked) -> Iterator[PassView]:
-    if not walked.lights:
-        return
-    for one in scope.passes:
-        if one.live and any(c.name == "renderVisibility" for c in one.collections):
-            yield _pass_view(stage, one, walked)
+def _hides(one: Pass) -> bool:
+    return any(c.name == "renderVisibility" for c in one.collections)
 
 
 def _pass_view(stage: Usd.Stage, one: Pass, walked: _Walked) -> PassView:
