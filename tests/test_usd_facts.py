@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
-from usdrender_lint.stage import PROBE
+from usdrender_lint.read.specs import items
+from usdrender_lint.stage import PROBE, all_below
 
 DEFAULT = Usd.TimeCode.Default()
 
@@ -433,6 +434,87 @@ class TestLiveness:
         assert one.IsInstanceProxy()
         assert one.GetPrimInPrototype() == other.GetPrimInPrototype()
         assert not list(Usd.PrimRange(stage.GetPrimAtPath("/A")))[1:]
+
+
+class TestListing:
+    """USD is asked by number and through its classes: the answers are those of a loop over an object."""
+
+    TEXT = """def Scope "A" (
+    variantSets = "v"
+    variants = { string v = "x" }
+)
+{
+    token[] tokens = ["a", "b"]
+    int2 two = (1, 2)
+    prepend rel targets = </B>
+    append rel targets = </C>
+    delete rel targets = </D>
+    def "b" (
+        active = false
+    )
+    {
+    }
+    class "c"
+    {
+        def "e"
+        {
+        }
+    }
+    over "d" (
+        instanceable = true
+        references = </P>
+    )
+    {
+    }
+    variantSet "v" = {
+        "x" {
+            def "f"
+            {
+            }
+        }
+        "y" {
+        }
+    }
+}
+def "P"
+{
+    def "q"
+    {
+    }
+}
+"""
+
+    def test_what_is_listed_can_be_asked_for_by_number(self, folder: Folder) -> None:
+        layer = Sdf.Layer.FindOrOpen(folder.write("main.usda", self.TEXT))
+        spec = layer.GetPrimAtPath("/A")
+        assert items(layer.rootPrims) == list(layer.rootPrims)
+        assert items(spec.nameChildren) == list(spec.nameChildren)
+        assert items(spec.variantSets) == list(spec.variantSets.values())
+        (variants,) = items(spec.variantSets)
+        assert items(variants.variants) == list(variants.variants.values())
+        assert len(spec.nameChildren) == len(variants.variants) + 1 == 3
+        value = layer.GetAttributeAtPath("/A.tokens").default
+        assert items(value) == list(value) == ["a", "b"]
+        assert layer.GetAttributeAtPath("/A.two").default[:] == [1, 2]
+        edits = layer.GetRelationshipAtPath("/A.targets").targetPathList
+        assert sorted(edits.GetAddedOrExplicitItems()) == ["/B", "/C"]
+
+    def test_children_come_in_the_order_of_a_range(self, folder: Folder) -> None:
+        stage = folder.stage(self.TEXT)
+        root = stage.GetPseudoRoot()
+        every = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
+        paths = [str(p.GetPath()) for p in all_below(root)]
+        assert paths == [str(p.GetPath()) for p in Usd.PrimRange(root, every)]
+        assert {"/A/b", "/A/c/e", "/A/d/q", "/A/f"} < {*paths}
+
+    def test_a_method_of_the_class_refuses_a_prim_that_is_no_more(self, folder: Folder) -> None:
+        stage = Usd.Stage.Open(folder.write("main.usda", self.TEXT))
+        prim = stage.GetPrimAtPath("/A")
+        assert Usd.Prim.GetPath(prim) == "/A"
+        del stage
+        for method in (Usd.Prim.GetPrimStack, Usd.Prim.IsActive, Usd.Prim.GetTypeName):
+            with pytest.raises(Tf.CppException, match="expired"):
+                method(prim)
 
 
 class TestDefaultSettings:

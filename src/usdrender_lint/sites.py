@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from pxr import Pcp, Sdf, Usd
 
@@ -92,16 +92,6 @@ def _has(spec: Sdf.PrimSpec, field: str) -> bool:
         return bool(spec.typeName)
     key, _, entry = field.partition(":")  # an entry of a dictionary, such as variantSelection:set
     return bool(spec.HasInfo(key)) and (not entry or entry in spec.GetInfo(key))
-
-
-def listed(operation: Sdf.PathListOp) -> Iterator[Sdf.Path]:
-    """Everything that a list edit adds, in no particular order."""
-    if operation.isExplicit:
-        yield from operation.explicitItems
-        return
-    yield from operation.prependedItems
-    yield from operation.appendedItems
-    yield from operation.addedItems
 
 
 def node_of(prim: Usd.Prim, spec: Sdf.Spec) -> Pcp.NodeRef | None:

@@ -16,10 +16,21 @@ PROBE = "__probe__"
 """No prim has this name: masking `/World/set/__probe__` populates `/World/set` and its
 ancestors, and none of its children."""
 
-RENDER_RELATIONSHIPS = ("camera", "products", "orderedVars", "renderSource", "inputPasses")
+RENDER_RELATIONSHIPS = frozenset(
+    {"camera", "products", "orderedVars", "renderSource", "inputPasses"}
+)
 
 ROUNDS = 8
 """Of widening, prim by prim, before the layers are asked what a chain leads to in the end."""
+
+# Looked up on an object, USD checks the object first, which takes longer than these do.
+_path = Usd.Prim.GetPath
+_type_name = Usd.Prim.GetTypeName
+_is_a = Usd.Prim.IsA
+_children = Usd.Prim.GetFilteredChildren
+_names = Usd.Prim.GetAuthoredPropertyNames
+_relationship = Usd.Prim.GetRelationship
+_targets = Usd.Relationship.GetTargets
 
 
 @dataclass(slots=True)
@@ -56,17 +67,18 @@ def open_stage(
     return Opened(Usd.Stage.OpenMasked(layer, session, mask), scopes)
 
 
-def widen(opened: Opened, wanted: Iterable[str]) -> bool:
+def widen(opened: Opened, wanted: Iterable[str | Sdf.Path]) -> bool:
     """Populate these prims too, each with its ancestors but without what lies below it.
 
     True if the mask grew.
     """
-    mask = opened.stage.GetPopulationMask()
+    stage = opened.stage
+    mask = stage.GetPopulationMask()
     probes = []
-    for text in wanted:
-        path = Sdf.Path(text).GetPrimPath().StripAllVariantSelections()
+    for one in wanted:
+        path = Sdf.Path(one).GetPrimPath().StripAllVariantSelections()
         # A mask that is given a property path raises and keeps the path (26.11).
-        if not path.IsAbsoluteRootOrPrimPath() or path == Sdf.Path.absoluteRootPath:
+        if not path.IsAbsoluteRootOrPrimPath() or stage.GetPrimAtPath(path):
             continue
         probe = path.AppendChild(PROBE)
         if not mask.Includes(probe):
@@ -74,7 +86,7 @@ def widen(opened: Opened, wanted: Iterable[str]) -> bool:
     if probes:
         # Adding them one by one takes quadratic time.
         opened.render_prims = opened.in_scopes = None
-        opened.stage.SetPopulationMask(mask.GetUnion(Usd.StagePopulationMask(probes)))
+        stage.SetPopulationMask(mask.GetUnion(Usd.StagePopulationMask(probes)))
     return bool(probes)
 
 
@@ -97,13 +109,14 @@ class _Search:
         self._beyond: list[Sdf.Path] = []
         """Where prims have to be populated before it goes on."""
 
-    def wanted(self, *, ahead: bool) -> list[str]:
+    def wanted(self, *, ahead: bool) -> set[Sdf.Path]:
         """What has to be populated next. `ahead`: also what the layers alone promise will follow,
         for a long chain of prims is not populated one by one."""
         pending, self._beyond = self._beyond, []
         for prim in render_prims(self._opened):
-            if prim.GetPath() not in self._begun:
-                self._begun.add(prim.GetPath())
+            path = _path(prim)
+            if path not in self._begun:
+                self._begun.add(path)
                 pending += _led_to(prim)
         wanted: set[Sdf.Path] = set()
         stage = self._opened.stage
@@ -122,7 +135,7 @@ class _Search:
                 self._beyond.append(path)
                 if ahead:
                     wanted.update(promised(stage, path))
-        return sorted(map(str, wanted))
+        return wanted
 
 
 def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Path]:
@@ -155,7 +168,7 @@ def _render_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     others: set[str] = set()
     for top in stage.GetPseudoRoot().GetAllChildren():
         for prim in all_below(top):
-            name = prim.GetTypeName()
+            name = _type_name(prim)
             if name in others:
                 continue
             if is_render_prim(prim):
@@ -174,24 +187,37 @@ def in_scopes(opened: Opened) -> list[Usd.Prim]:
 
 def all_below(prim: Usd.Prim) -> Iterator[Usd.Prim]:
     """`prim` and all populated prims below it, also inactive, undefined, abstract, in instances."""
-    predicate = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
-    return iter(Usd.PrimRange(prim, predicate))
+    pending = [prim]
+    while pending:
+        one = pending.pop()
+        yield one
+        if below := _children(one, _EVERY):
+            below.reverse()
+            pending += below
+
+
+_EVERY = Usd.TraverseInstanceProxies(Usd.PrimAllPrimsPredicate)
 
 
 def is_render_prim(prim: Usd.Prim) -> bool:
-    return not _RENDERED.isdisjoint(kinds_of(prim))
+    return is_render_type(kinds_of(prim))
+
+
+def is_render_type(kinds: frozenset[str]) -> bool:
+    return not _RENDERED.isdisjoint(kinds)
 
 
 def kinds_of(prim: Usd.Prim) -> frozenset[str]:
     """Which of the render types and `Camera` the prim is or derives from."""
-    name = prim.GetTypeName()
-    if name not in _kinds:
+    name = _type_name(prim)
+    found = _kinds.get(name)
+    if found is None:
         # By name: importing the UsdRender module only for IsA costs more than the answer.
-        kinds = frozenset(t for t in (*RENDER_TYPES, "Camera") if prim.IsA(t)) if name else _NONE
+        found = frozenset(t for t in (*RENDER_TYPES, "Camera") if _is_a(prim, t)) if name else _NONE
         if name and not Usd.SchemaRegistry.GetTypeFromSchemaTypeName(name):
-            return kinds  # what stands for a type that is not installed, a stage says for itself
-        _kinds[name] = kinds
-    return _kinds[name]
+            return found  # what stands for a type that is not installed, a stage says for itself
+        _kinds[name] = found
+    return found
 
 
 _NONE: frozenset[str] = frozenset()
@@ -201,8 +227,8 @@ _kinds: dict[str, frozenset[str]] = {}
 
 
 def _led_to(prim: Usd.Prim) -> Iterator[Sdf.Path]:
-    for relationship in prim.GetAuthoredRelationships():
-        if relationship.GetName() in RENDER_RELATIONSHIPS:
+    for name in RENDER_RELATIONSHIPS.intersection(_names(prim)):
+        if relationship := _relationship(prim, name):
             yield from targets_of(relationship)
 
 
@@ -215,9 +241,10 @@ def relationship_at(stage: Usd.Stage, path: Sdf.Path) -> Usd.Relationship | None
 def targets_of(relationship: Usd.Relationship) -> list[Sdf.Path]:
     """Not forwarded. None of a relationship that some layer authors as an attribute: USD raises."""
     try:
-        return list(relationship.GetTargets())
+        found: list[Sdf.Path] = _targets(relationship)
     except Tf.ErrorException:
         return []
+    return found
 
 
 def limit_threads(most: int) -> None:

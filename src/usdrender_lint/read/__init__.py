@@ -27,21 +27,21 @@ from ..model import (
     Var,
     VariantChoice,
 )
-from ..stage import Opened, in_scopes, is_render_prim, kinds_of, render_prims, widen_to_targets
+from ..stage import Opened, is_render_prim, widen_to_targets
 from .arcs import Failures
 from .cameras import read_cameras
 from .collections import read_collections
 from .colors import read_color_space
 from .evidence import read_evidence
 from .external import file_found, source_in_file
-from .members import applied_collections, widen_to_members
+from .members import widen_to_members
 from .metadata import authored_default, default_path, read_default
 from .parts import Definitions, Part, read_part
+from .prims import Asked, state_of, type_is_known
 from .strays import stray_paths
-from .targets import EXPECTED, Targets, state_of, type_is_known
+from .targets import EXPECTED, Targets
 from .text import Texts
 from .values import (
-    Asked,
     plain_asset,
     plain_floats,
     plain_ints,
@@ -82,25 +82,22 @@ class _Reader:
         self._texts = texts
         self._products: dict[str, Product] = {}
         self._vars: dict[str, Var] = {}
-        self._paths: dict[Sdf.Path, str] = {}
+        self._prims = targets.prims
 
     def scope(self, strays: list[str]) -> RenderScope:
-        prims = {str(p.GetPath()): p for p in render_prims(self._opened)}
-        asked = [(Asked(p), kinds_of(p)) for p in prims.values()]
-        self._vars = {p.path: self._var(p) for p, kinds in asked if "RenderVar" in kinds}
-        self._products = {
-            p.path: self._product(p) for p, kinds in asked if "RenderProduct" in kinds
-        }
-        settings = tuple(self._settings(p) for p, kinds in asked if "RenderSettings" in kinds)
+        rendered = self._prims.rendered
+        self._vars = {p.path: self._var(p) for p in rendered if "RenderVar" in p.kinds}
+        self._products = {p.path: self._product(p) for p in rendered if "RenderProduct" in p.kinds}
+        settings = tuple(self._settings(p) for p in rendered if "RenderSettings" in p.kinds)
         needed = _needed(settings)
-        passes = tuple(self._pass(p, needed) for p, kinds in asked if "RenderPass" in kinds)
+        passes = tuple(self._pass(p, needed) for p in rendered if "RenderPass" in p.kinds)
         everything: list[RenderPrim] = [
             *settings,
             *self._products.values(),
             *self._vars.values(),
             *passes,
         ]
-        outside = sorted({*strays, *(k for k in prims if not self._is_inside(k))})
+        outside = sorted({*strays, *(p.path for p in rendered if not self._is_inside(p.path))})
         root, frames = self._stage.GetRootLayer(), _frames(self._stage)
         return RenderScope(
             root.identifier,
@@ -114,12 +111,12 @@ class _Reader:
             tuple(s for path in outside if (s := self._stray(path))),
             read_default(self._opened, self._targets),
             self._failures.errors(_essential(everything, self._opened.scopes)),
-            read_evidence(self._opened, prims.values()),
+            read_evidence(self._stage, self._prims),
             frames,
             read_cameras(self._stage, frames, settings, self._products.values()),
             tuple(self._missing_variants()),
-            tuple(self._topmost(lambda p: bool(p.IsInstance()))),
-            tuple(self._topmost(lambda p: bool(p.HasAuthoredPayloads()))),
+            tuple(self._topmost(Usd.Prim.IsInstance)),
+            tuple(self._topmost(Usd.Prim.HasAuthoredPayloads)),
             self._part.only_overrides,
             self._part.is_part,
             self._part.is_library,
@@ -130,20 +127,20 @@ class _Reader:
         return any(path.startswith(scope + "/") for scope in self._opened.scopes)
 
     def _common(self, asked: Asked, names: tuple[str, ...]) -> dict[str, Any]:
-        prim, path = asked.prim, asked.path
+        path = asked.path
         return {
             "path": path,
-            "type_name": str(prim.GetTypeName()),
-            "state": state_of(prim),
+            "type_name": asked.type_name,
+            "state": asked.state,
             "site": Site(path),
             "properties": read_properties(asked),
             "built_in": asked.schema.built_in,
             "extras": read_extras(asked),
-            "rels": tuple(self._targets.rel(prim, name) for name in names),
-            "other_types": tuple(_other_types(prim)),
-            "collections_applied": applied_collections(prim),
+            "rels": tuple([self._targets.rel(asked, name) for name in names]),
+            "other_types": tuple(_other_types(asked)),
+            "collections_applied": asked.schema.collections,
             "maybe_more": self._failures.hiding(path) is not None,
-            "prototype": str(prim.GetPrimInPrototype().GetPath()) if prim.IsInstanceProxy() else "",
+            "prototype": str(asked.prim.GetPrimInPrototype().GetPath()) if asked.is_proxy else "",
         }
 
     def _base(self, prim: Asked) -> dict[str, Any]:
@@ -232,7 +229,7 @@ class _Reader:
             file_name=read_attr(asked, "fileName", plain_asset, ""),
             render_source=render_source,
             input_passes=input_passes,
-            collections=read_collections(prim, self._targets, self._texts, needed),
+            collections=read_collections(asked, self._targets, self._texts, needed),
             file_found=file_found(prim),
             source_in_file=source_in_file(prim, render_source),
         )
@@ -240,71 +237,58 @@ class _Reader:
     def _scope_prims(self) -> Iterator[ScopePrim]:
         """The scopes, and the groups below them that are no render prims themselves."""
         definitions = Definitions(RENDER_TYPES)
-        for prim in in_scopes(self._opened):
-            if is_render_prim(prim):
-                continue
-            path = self._path_of(prim)
+        for one in self._prims.groups:
             yield ScopePrim(
-                path,
-                str(prim.GetTypeName()),
-                state_of(prim),
-                Site(path),
-                _state_site(prim, path),
-                definitions.hold(prim),
-                self._failures.hiding(path),
+                one.path,
+                one.type_name,
+                one.state,
+                Site(one.path),
+                _state_site(one),
+                definitions.hold(one.stack),
+                self._failures.hiding(one.path),
             )
 
     def _others(self) -> Iterator[OtherPrim]:
-        for prim in in_scopes(self._opened):
-            if not is_render_prim(prim) and self._path_of(prim) not in self._opened.scopes:
-                yield self._other(prim)
+        for one in self._prims.groups:
+            if one.path not in self._opened.scopes:
+                yield self._other(one)
 
     def _misspelt(self, strays: list[str]) -> Iterator[OtherPrim]:
         for path in strays:
             prim = self._stage.GetPrimAtPath(path)
             if prim and not is_render_prim(prim) and not type_is_known(prim):
-                yield self._other(prim)
+                yield self._other(Asked(prim, path))
 
-    def _other(self, prim: Usd.Prim) -> OtherPrim:
-        path = self._path_of(prim)
+    def _other(self, one: Asked) -> OtherPrim:
         return OtherPrim(
-            path,
-            str(prim.GetTypeName()),
-            state_of(prim),
-            type_is_known(prim),
-            Site(path),
-            read_properties(Asked(prim, path)),
-            self._failures.hiding(path) is not None,
-            _content(prim),
+            one.path,
+            one.type_name,
+            one.state,
+            one.is_known,
+            Site(one.path),
+            read_properties(one),
+            self._failures.hiding(one.path) is not None,
+            _content(one.prim),
         )
-
-    def _path_of(self, prim: Usd.Prim) -> str:
-        """USD spells a path out name by name each time: here it is that of the prim above, and one
-        name more."""
-        path = prim.GetPath()
-        if path not in self._paths:
-            above = self._paths.get(path.GetParentPath())
-            self._paths[path] = f"{above}/{path.name}" if above else str(path)
-        return self._paths[path]
 
     def _topmost(self, wanted: Callable[[Usd.Prim], bool]) -> Iterator[Site]:
         last = Sdf.Path.emptyPath
-        for prim in in_scopes(self._opened):
-            path = prim.GetPath()
+        for one in self._prims.in_scopes:
             # Depth first: what is below the last one comes before anything else.
-            if wanted(prim) and (last.isEmpty or not path.HasPrefix(last)):
-                last = path
-                yield Site(str(path))
+            if wanted(one.prim) and (last.isEmpty or not one.at.HasPrefix(last)):
+                last = one.at
+                yield Site(one.path)
 
     def _missing_variants(self) -> Iterator[VariantChoice]:
-        for prim in in_scopes(self._opened):
+        for one in self._prims.in_scopes:
             selections: dict[str, str] = {}
-            for spec in prim.GetPrimStack() if not prim.IsInstanceProxy() else ():
-                for name, selection in spec.variantSelections.items():
-                    selections.setdefault(str(name), str(selection))
-            if not selections or self._failures.hiding(path := self._path_of(prim)):
+            for spec in one.stack if not one.is_proxy else ():
+                if spec.HasInfo("variantSelection"):
+                    for name, selection in spec.variantSelections.items():
+                        selections.setdefault(str(name), str(selection))
+            if not selections or self._failures.hiding(path := one.path):
                 continue
-            sets = prim.GetVariantSets()
+            sets = one.prim.GetVariantSets()
             for name, selection in sorted(selections.items()):
                 choices = tuple(sets.GetVariantSet(name).GetVariantNames())
                 if selection and selection not in choices:
@@ -338,11 +322,11 @@ def _effective(product: Attr[T], settings: Attr[T]) -> Attr[T]:
     return product if product.authored else settings
 
 
-def _state_site(prim: Usd.Prim, path: str) -> Site:
-    state = state_of(prim)
+def _state_site(one: Asked) -> Site:
+    path, state = one.path, one.state
     if state is State.INACTIVE:
         return Site(path, "active")
-    for spec in prim.GetPrimStack() if state is State.ABSTRACT else ():
+    for spec in one.stack if state is State.ABSTRACT else ():
         if spec.specifier == Sdf.SpecifierClass:
             return Site(path, "specifier", None, spec.layer.identifier, str(spec.path))
     return Site(path, "specifier")
@@ -358,13 +342,11 @@ def _essential(prims: list[RenderPrim], scopes: tuple[str, ...]) -> Iterator[str
                 yield from (t.path for t in rel.targets if t.state is not State.LIVE)
 
 
-def _other_types(prim: Usd.Prim) -> Iterator[TypeOpinion]:
-    for spec in prim.GetPrimStack():
-        name = str(spec.typeName)
-        if name in RENDER_TYPES and name != str(prim.GetTypeName()):
-            site = Site(
-                str(prim.GetPath()), "typeName", layer=spec.layer.identifier, spec=str(spec.path)
-            )
+def _other_types(one: Asked) -> Iterator[TypeOpinion]:
+    for spec in one.stack:
+        name = spec.typeName
+        if name in RENDER_TYPES and name != one.type_name:
+            site = Site(one.path, "typeName", None, spec.layer.identifier, str(spec.path))
             yield TypeOpinion(name, site)
 
 

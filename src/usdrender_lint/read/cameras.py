@@ -21,8 +21,8 @@ from ..model import (
     ValueState,
     View,
 )
-from .targets import state_of
-from .values import Asked, plain_floats, plain_text, read_attr, same_storage
+from .prims import Asked, same_storage, state_of
+from .values import plain_floats, plain_text, read_attr
 
 T = TypeVar("T")
 
@@ -123,7 +123,7 @@ def _varies(asked: Asked, attr: Attr[Any]) -> bool:
         return False
     schema = asked.schema.attribute(attr.name)
     written = Sdf.ValueTypeNames.Find(attr.authored_type)
-    return schema is not None and same_storage(written, schema.typeName)
+    return schema is not None and same_storage(written, schema.type)
 
 
 def _times(prim: Usd.Prim, varying: list[Attr[Any]], frames: FrameRange) -> list[float]:

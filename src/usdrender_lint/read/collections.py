@@ -25,9 +25,10 @@ from .members import (
 )
 from .patterns import STRETCH, Node, Parsed, tree
 from .predicates import means_groups, read_predicates
+from .prims import Asked
 from .targets import Targets, arc_field
 from .text import Texts
-from .values import Asked, plain_expression, plain_text, read_attr
+from .values import plain_expression, plain_text, read_attr
 
 _MANY = 64
 _QUOTED = lazily(r'"(\w+)"')
@@ -35,14 +36,15 @@ _QUOTED = lazily(r'"(\w+)"')
 
 
 def read_collections(
-    prim: Usd.Prim, targets: Targets, texts: Texts, needed: Iterable[str]
+    pass_: Asked, targets: Targets, texts: Texts, needed: Iterable[str]
 ) -> tuple[Collection, ...]:
     """The collections of a pass that some layer says anything about, built-in or applied.
 
     `needed`: paths of the render spec that may be members, too.
     """
-    names = sorted(collection_names(prim).intersection(applied_collections(prim)))
-    found = [_Reader(prim, name, targets, texts).read() for name in names]
+    prim = pass_.prim
+    names = sorted(collection_names(pass_.authored).intersection(pass_.schema.collections))
+    found = [_Reader(prim, pass_, name, targets, texts).read() for name in names]
     asked = [*needed, *(m.path for c in found for m in c.members)]
     paths = {above for path in asked for above in Sdf.Path(path).GetPrimPath().GetPrefixes()}
     return tuple(replace(c, **_held(Usd.CollectionAPI(prim, c.name), paths)) for c in found)
@@ -82,13 +84,13 @@ class _Reader:
     """One collection, read."""
 
     prim: Usd.Prim
+    asked: Asked
     name: str
     targets: Targets
     texts: Texts
 
     def read(self) -> Collection:
-        prim, prefix = self.prim, f"collection:{self.name}"
-        asked = Asked(prim)
+        prim, asked, prefix = self.prim, self.asked, f"collection:{self.name}"
         mode = read_attr(asked, f"{prefix}:mode", plain_text, "")
         includes, excludes = self._rel(f"{prefix}:includes"), self._rel(f"{prefix}:excludes")
         api = Usd.CollectionAPI(prim, self.name)
@@ -114,7 +116,7 @@ class _Reader:
         )
 
     def _rel(self, name: str) -> Rel:
-        rel = self.targets.rel(self.prim, name)
+        rel = self.targets.rel(self.asked, name)
         stage = self.prim.GetStage()
         return replace(rel, targets=tuple(members(stage, rel.targets)))
 
@@ -241,7 +243,7 @@ class _Reader:
                 at = self._taken_in_at(site, specs, path, name) or replace(site, target=written)
             there = prim.GetStage().GetPrimAtPath(path)
             gives = self._gives(path, name, by_include=bool(include))
-            opinions = bool(there) and name in collection_names(there)
+            opinions = bool(there) and name in collection_names(there.GetAuthoredPropertyNames())
             applied = applied_collections(there) if there else ()
             yield OtherCollection(path, name, written, at, gives, applied, opinions)
 

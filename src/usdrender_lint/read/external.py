@@ -8,7 +8,7 @@ from ..lazily import lazily
 from ..model import Rel, Site, State, Target
 from ..opening import open_layer
 from ..stage import kinds_of
-from .targets import state_of
+from .prims import state_of
 
 _USD = frozenset({".usd", ".usda", ".usdc", ".usdz"})
 _LATER = lazily(r"^[A-Za-z][\w+.-]+:|[$<{%#`*]")

@@ -15,9 +15,10 @@ from pxr import Sdf, Usd
 
 from ..likeness import most_alike
 from ..model import Candidate, Member, Site, State, Target
-from ..stage import ROUNDS, Opened, promised, render_prims, targets_of, widen
+from ..stage import ROUNDS, Opened, kinds_of, promised, render_prims, targets_of, widen
 from .groups import is_group, matching
 from .patterns import Node, tree
+from .prims import collections_among
 
 _PREFIX = "collection:"
 _GUESSES = 64
@@ -31,10 +32,9 @@ PROPERTIES = (
 )
 
 
-def collection_names(prim: Usd.Prim) -> frozenset[str]:
-    """Of collections that some layer says anything about."""
-    found = (collection_name(name) for name in prim.GetAuthoredPropertyNames())
-    return frozenset(name for name in found if name)
+def collection_names(authored: Iterable[str]) -> frozenset[str]:
+    """Of collections that some layer says anything about, by the names of a prim's properties."""
+    return frozenset(name for one in authored if (name := collection_name(one)))
 
 
 def collection_name(property_name: str) -> str:
@@ -46,8 +46,7 @@ def collection_name(property_name: str) -> str:
 
 def applied_collections(prim: Usd.Prim) -> tuple[str, ...]:
     """Built in, or by `apiSchemas`."""
-    schemas = map(str, prim.GetAppliedSchemas())
-    return tuple(s.partition(":")[2] for s in schemas if s.startswith("CollectionAPI:"))
+    return collections_among(prim.GetAppliedSchemas())
 
 
 def collection_of(path: Sdf.Path) -> str | None:
@@ -87,8 +86,8 @@ def widen_to_members(opened: Opened) -> None:
     for round_ in count():
         wanted: set[str] = set()
         seen: set[tuple[str, str]] = set()
-        for prim in (p for p in render_prims(opened) if p.IsA("RenderPass")):
-            for name in collection_names(prim):
+        for prim in (p for p in render_prims(opened) if "RenderPass" in kinds_of(p)):
+            for name in collection_names(prim.GetAuthoredPropertyNames()):
                 wanted.update(_named(prim, name))
                 wanted.update(_others(prim, name, seen, ahead=round_ >= ROUNDS))
         if not widen(opened, sorted(wanted)):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 from pxr import Sdf, Usd
 
 from ..model import RENDER_TYPES
-from ..stage import Opened, render_prims
+from ..stage import Opened, kinds_of, render_prims
 from .specs import children_of, there
 
 _SPECS = 1000
@@ -27,16 +26,14 @@ class Part:
 def read_part(opened: Opened, default: str | None) -> Part:
     """`default`: the path of the settings that the stage names."""
     stage, scopes = opened.stage, opened.scopes
-    is_part = all(
-        str(root.path) in scopes or _is_group_of_render_prims(root)
-        for root in _defined_roots(stage)
-    )
+    roots = _defined_roots(stage)
+    is_part = all(str(root.path) in scopes or _is_group_of_render_prims(root) for root in roots)
     is_library = (
         is_part
         and default is None
-        and not any(p.IsA("RenderSettings") for p in render_prims(opened))
+        and not any("RenderSettings" in kinds_of(p) for p in render_prims(opened))
     )
-    return Part(_only_overrides(stage, scopes), is_part, is_library)
+    return Part(_only_overrides(stage, scopes, roots), is_part, is_library)
 
 
 class Definitions:
@@ -49,8 +46,8 @@ class Definitions:
         self._types = types
         self._known: dict[tuple[str, Sdf.Path], bool] = {}
 
-    def hold(self, prim: Usd.Prim) -> bool:
-        return any(self._holds(spec) for spec in prim.GetPrimStack())
+    def hold(self, stack: list[Sdf.PrimSpec]) -> bool:
+        return any(map(self._holds, stack))
 
     def _holds(self, top: Sdf.PrimSpec) -> bool:
         layer = top.layer.identifier
@@ -71,17 +68,18 @@ class Definitions:
         return self._known[layer, top.path]
 
 
-def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...]) -> bool:
+def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...], roots: list[Sdf.PrimSpec]) -> bool:
     tops = [top for scope in scopes if (top := stage.GetPrimAtPath(scope))]
-    if not tops or not any(_defined_roots(stage)):
-        return not any(_defined_roots(stage))
+    if not tops or not roots:
+        return not roots
     settings = Definitions(("RenderSettings",))
-    return not any(top.IsDefined() or settings.hold(top) for top in tops)
+    return not any(top.IsDefined() or settings.hold(top.GetPrimStack()) for top in tops)
 
 
-def _defined_roots(stage: Usd.Stage) -> Iterator[Sdf.PrimSpec]:
-    for layer in stage.GetLayerStack(includeSessionLayers=False):
-        yield from (s for s in there(layer.rootPrims) if s.specifier == Sdf.SpecifierDef)
+def _defined_roots(stage: Usd.Stage) -> list[Sdf.PrimSpec]:
+    layers = stage.GetLayerStack(includeSessionLayers=False)
+    roots = (root for layer in layers for root in there(layer.rootPrims))
+    return [root for root in roots if root.specifier == Sdf.SpecifierDef]
 
 
 def _is_group_of_render_prims(root: Sdf.PrimSpec) -> bool:

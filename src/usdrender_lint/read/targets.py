@@ -11,10 +11,11 @@ from pxr import Pcp, Sdf, Tf, Usd
 from ..likeness import most_alike
 from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
-from ..sites import listed, node_of, out_of_namespace_of
+from ..sites import node_of, out_of_namespace_of
 from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
 from .arcs import Failures
 from .parts import Part
+from .prims import Asked, Prims, state_of, type_is_known
 from .specs import children_of, there
 from .text import Texts
 
@@ -38,6 +39,11 @@ _MANY = 64
 _SPECS = 4000
 """Specs of the root layer stack that are looked through for cameras: about 30 ms."""
 
+# Looked up on an object, USD checks the object first, which takes longer than these do.
+_relationship = Usd.Prim.GetRelationship
+_targets = Usd.Relationship.GetTargets
+_type_name = Usd.Prim.GetTypeName
+
 
 @dataclass(frozen=True, slots=True)
 class _Found:
@@ -50,21 +56,16 @@ class _Found:
     because: str | None = None
 
 
-def state_of(prim: Usd.Prim) -> State:
-    if not prim.IsActive():
-        return State.INACTIVE
-    if prim.IsAbstract():
-        return State.ABSTRACT
-    if not prim.IsDefined():
-        return State.OVER
-    return State.LIVE
+@dataclass(frozen=True, slots=True)
+class _Followed:
+    """What an authored relationship leads to, in paths."""
 
-
-def type_is_known(prim: Usd.Prim) -> bool:
-    """An unregistered type looks like no type at all to `GetSchemaType()`, as does an untyped prim."""
-    if not prim.GetTypeName():
-        return True
-    return bool(prim.GetPrimTypeInfo().GetSchemaType() != Tf.Type.Unknown)
+    raw: list[Sdf.Path] | None
+    """As it says; None if some layer authors it as an attribute."""
+    ends: tuple[tuple[Sdf.Path, Sdf.Path, str], ...] = ()
+    """The entry that begins a chain, the end of it, and the relationship that names this."""
+    through: frozenset[Sdf.Path] = frozenset()
+    """All relationships that it leads through."""
 
 
 class Targets:
@@ -84,40 +85,62 @@ class Targets:
         self._candidates: dict[tuple[str, str], tuple[Candidate, ...]] = {}
         self._censuses: dict[str, _Census] = {}
         self._looked: dict[Sdf.Path, _Found] = {}
+        self._followed: dict[tuple[str, str], _Followed | None] = {}
+        self.prims = Prims(opened)
         self._survey()
 
-    def rel(self, prim: Usd.Prim, name: str) -> Rel:
+    def rel(self, prim: Asked, name: str) -> Rel:
         """The relationship `name` of a render prim, forwarded, with what was lost on the way."""
-        expected = EXPECTED.get(name)
-        path = f"{prim.GetPath()}.{name}"
+        path = f"{prim.path}.{name}"
         site = Site(path, "targetPaths")
-        relationship = prim.GetRelationship(name)
         hidden = self._failures.hiding(path) is not None
-        if not relationship or not relationship.IsAuthored():
+        followed = self._follow(prim, name)
+        if followed is None:
             return Rel(name, site, maybe_more=hidden)
-        try:
-            raw = relationship.GetTargets()
-        except Tf.ErrorException:
+        if followed.raw is None:
             return Rel(name, Site(path), authored=True, written_as_attribute=True)
-        seen: set[Sdf.Path] = set()
-        targets: dict[str, Target] = {}
-        for first in raw:
-            # The includes and excludes of a collection are not forwarded by USD.
-            for last, via in [(first, "")] if expected is None else self._forward(first, seen):
-                if str(last) not in targets:
-                    entry = Site(path, "targetPaths", str(first))
-                    targets[str(last)] = self._target(prim, last, via, entry, expected)
+        expected = EXPECTED.get(name)
+        targets: dict[Sdf.Path, Target] = {}
+        for first, last, via in followed.ends:
+            if last not in targets:
+                entry = Site(path, "targetPaths", str(first))
+                targets[last] = self._target(prim, last, via, entry, expected)
+        specs = prim.specs(name)
         return Rel(
             name,
             site,
-            bool(relationship.HasAuthoredTargets()),
+            any(spec.HasInfo("targetPaths") for spec in specs),
             tuple(targets.values()),
-            tuple(self._lost(prim, relationship)),
-            tuple(_clobbered(prim, relationship, raw)),
+            tuple(self._lost(prim, path, specs)) if prim.has_arcs else (),
+            tuple(_clobbered(prim, path, specs, followed.raw)) if len(specs) > 1 else (),
             maybe_more=hidden,
-            forwarding=tuple(sorted(map(str, seen))),
-            dead_ends=() if targets else tuple(self._dead_ends(raw)),
+            forwarding=tuple(sorted(map(str, followed.through))),
+            dead_ends=() if targets else tuple(self._dead_ends(followed.raw)),
         )
+
+    def _follow(self, prim: Asked, name: str) -> _Followed | None:
+        """None: no layer says anything about the relationship."""
+        if name not in prim.authored:
+            return None
+        key = prim.path, name
+        if key not in self._followed:
+            self._followed[key] = self._followed_now(prim, name)
+        return self._followed[key]
+
+    def _followed_now(self, prim: Asked, name: str) -> _Followed | None:
+        relationship = _relationship(prim.prim, name)
+        if not relationship:
+            return None
+        try:
+            raw = _targets(relationship)
+        except Tf.ErrorException:
+            return _Followed(None)
+        if name not in EXPECTED:
+            # The includes and excludes of a collection are not forwarded by USD.
+            return _Followed(raw, tuple((path, path, "") for path in raw))
+        through: set[Sdf.Path] = set()
+        ends = [(first, *end) for first in raw for end in self._forward(first, through)]
+        return _Followed(raw, tuple(ends), frozenset(through))
 
     def _dead_ends(self, raw: list[Sdf.Path]) -> Iterator[Site]:
         """Where chains of relationships end that lead to nothing."""
@@ -155,23 +178,24 @@ class Targets:
 
     def _target(
         self,
-        owner: Usd.Prim,
+        owner: Asked,
         path: Sdf.Path,
         via: str,
         site: Site,
         expected: str | None,
     ) -> Target:
         found = self._look(path)
+        spelt = str(path)
+        missing = found.state is State.MISSING
         written: str | None = None
         relative = False
-        meant = self._meant.get(str(path)) if not via else None
-        candidates = self._candidates.get((str(path), expected or ""), ())
-        below_owner = path.HasPrefix(owner.GetPath()) and path.GetPrimPath() != owner.GetPath()
-        if found.state is State.MISSING and below_owner and not via:
+        meant = self._meant.get(spelt) if not via else None
+        candidates = self._candidates.get((spelt, expected or ""), ())
+        if missing and not via and path.HasPrefix(owner.at) and path.GetPrimPath() != owner.at:
             written = self._texts.written_target(self._stage, site)
             relative = written is None and meant is not None
         return Target(
-            str(path),
+            spelt,
             found.state,
             site,
             found.type_name,
@@ -179,14 +203,14 @@ class Targets:
             found.type_known,
             path.IsPropertyPath(),
             via,
-            Site(via, "targetPaths", str(path)) if via else None,
+            Site(via, "targetPaths", spelt) if via else None,
             written if written is not None and not written.startswith("/") else None,
             relative,
             meant,
             found.because,
             candidates,
-            self._variant_with(path) if found.state is State.MISSING else "",
-            found.state is State.MISSING
+            self._variant_with(path) if missing else "",
+            missing
             and not candidates
             and (self._part.is_library or (self._part.is_part and expected == "Camera")),
         )
@@ -205,15 +229,16 @@ class Targets:
                 pending += [(target, str(path)) for target in reversed(targets_of(relationship))]
 
     def _look(self, path: Sdf.Path) -> _Found:
-        if path not in self._looked:
-            self._looked[path] = self._look_at(path)
-        return self._looked[path]
+        found = self._looked.get(path)
+        if found is None:
+            found = self._looked[path] = self._look_at(path)
+        return found
 
     def _look_at(self, path: Sdf.Path) -> _Found:
         prim = self._stage.GetPrimAtPath(path.GetPrimPath())
         if not prim:
             return self._look_nowhere(path)
-        type_name = str(prim.GetTypeName())
+        type_name = _type_name(prim)
         found = _Found(state_of(prim), type_name, kinds_of(prim), type_is_known(prim))
         unclear = found.state is State.OVER or (found.state is State.LIVE and not type_name)
         if unclear and (asset := self._failures.hiding(str(path))):
@@ -266,42 +291,37 @@ class Targets:
                 return prim
         return self._stage.GetPseudoRoot()
 
-    def _lost(self, prim: Usd.Prim, relationship: Usd.Relationship) -> Iterator[Lost]:
-        if not prim.GetPrimIndex().rootNode.children:
-            return
-        for spec in relationship.GetPropertyStack(Usd.TimeCode.Default()):
+    @staticmethod
+    def _lost(owner: Asked, path: str, specs: list[Sdf.PropertySpec]) -> Iterator[Lost]:
+        prim = owner.prim
+        for spec in specs:
             if not isinstance(spec, Sdf.RelationshipSpec):
                 continue
             operation = spec.targetPathList
-            for written in listed(operation):
+            for written in operation.GetAddedOrExplicitItems():
                 if out_of_namespace_of(prim, spec, written).isEmpty:
-                    site = Site(
-                        str(relationship.GetPath()),
-                        "targetPaths",
-                        str(written),
-                        spec.layer.identifier,
-                        str(spec.path),
-                    )
+                    layer, entry = spec.layer.identifier, str(written)
+                    site = Site(path, "targetPaths", entry, layer, str(spec.path))
                     arc = node_of(prim, spec)
-                    into = arc.GetIntroPath() if arc is not None else prim.GetPath()
+                    into = str(arc.GetIntroPath()) if arc is not None else owner.path
                     field = arc_field(arc) if arc is not None else "references"
-                    yield Lost(str(written), site, str(into), spec.layer.identifier, field)
+                    yield Lost(entry, site, into, layer, field)
             if operation.isExplicit:
                 return  # what weaker layers list is replaced anyway
 
     def _survey(self) -> None:
         """Before anything is read: what stands where broken targets may have been meant."""
         broken: list[tuple[Sdf.Path, Sdf.Path, str]] = []
-        for prim in render_prims(self._opened):
+        for prim in self.prims.rendered:
             for name, expected in EXPECTED.items():
-                relationship = prim.GetRelationship(name)
-                if not relationship or not relationship.IsAuthored():
-                    continue
-                seen: set[Sdf.Path] = set()
-                for first in targets_of(relationship):
-                    for last, _ in self._forward(first, seen):
-                        if self._is_broken(last, expected):
-                            broken.append((prim.GetPath(), last, expected))
+                followed = self._follow(prim, name)
+                for _, last, _ in followed.ends if followed else ():
+                    if self._is_broken(last, expected):
+                        broken.append((prim.at, last, expected))
+        if broken:
+            self._mend(broken)
+
+    def _mend(self, broken: list[tuple[Sdf.Path, Sdf.Path, str]]) -> None:
         self._widen_to_meant(broken)
         self._widen_to_kin(path for _, path, _ in broken)
         # Each is compared with every prim of the type: nobody mends more than so many at once.
@@ -344,6 +364,7 @@ class Targets:
     def _widen(self, wanted: Iterable[str]) -> None:
         if widen(self._opened, wanted):
             self._looked.clear()
+            self.prims = Prims(self._opened)
 
     def suggest(self, path: Sdf.Path, expected: str) -> None:
         """Note prims of the type that may have been meant by `path`, best first."""
@@ -416,24 +437,20 @@ def arc_field(node: Pcp.NodeRef) -> str:
 
 
 def _clobbered(
-    prim: Usd.Prim, relationship: Usd.Relationship, raw: list[Sdf.Path]
+    prim: Asked, at: str, specs: list[Sdf.PropertySpec], raw: list[Sdf.Path]
 ) -> Iterator[Clobbered]:
     """What layers below an explicit list name, and the list does not."""
     replaced = False
-    for spec in relationship.GetPropertyStack(Usd.TimeCode.Default()):
+    for spec in specs:
         if not isinstance(spec, Sdf.RelationshipSpec):
             continue
         if replaced:
-            for written in listed(spec.targetPathList):
-                path = out_of_namespace_of(prim, spec, written)
+            for written in spec.targetPathList.GetAddedOrExplicitItems():
+                path = out_of_namespace_of(prim.prim, spec, written)
                 if not path.isEmpty and path not in raw:
-                    at = str(relationship.GetPath())
-                    yield Clobbered(
-                        str(path),
-                        Site(
-                            at, "targetPaths", str(written), spec.layer.identifier, str(spec.path)
-                        ),
-                    )
+                    layer, entry = spec.layer.identifier, str(written)
+                    site = Site(at, "targetPaths", entry, layer, str(spec.path))
+                    yield Clobbered(str(path), site)
         elif spec.HasInfo("targetPaths") and spec.targetPathList.isExplicit:
             replaced = True
 

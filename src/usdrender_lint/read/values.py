@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from functools import cache
 from typing import Any, TypeVar
 
@@ -11,11 +10,19 @@ from pxr import Sdf, Usd, Vt
 
 from ..model import RENDER_TYPES, Attr, Property, Site, ValueState
 from ..opening import DamagedError
+from .prims import Asked, Declared
+from .specs import items
 
 T = TypeVar("T")
 
 _VARYING = ("timeSamples", "spline")
+_VALUES = ("default", "timeSamples")
 _OPINIONS = ("default", *_VARYING, "targetPaths")
+
+# Looked up on an object, USD checks the object first, which takes longer than these do.
+_attribute = Usd.Prim.GetAttribute
+_attribute_type = Usd.Attribute.GetTypeName
+_get = Usd.Attribute.Get
 
 
 def plain_text(value: Any) -> str:
@@ -23,15 +30,15 @@ def plain_text(value: Any) -> str:
 
 
 def plain_tokens(value: Any) -> tuple[str, ...]:
-    return tuple(str(v) for v in value)
+    return tuple(map(str, items(value)))
 
 
 def plain_ints(value: Any) -> tuple[int, ...]:
-    return tuple(int(v) for v in value)
+    return tuple(map(int, value[:]))
 
 
 def plain_floats(value: Any) -> tuple[float, ...]:
-    return tuple(float(v) for v in value)
+    return tuple(map(float, value[:]))
 
 
 def plain_asset(value: Any) -> str:
@@ -40,44 +47,6 @@ def plain_asset(value: Any) -> str:
 
 def plain_expression(value: Any) -> str:
     return str(value.GetText())
-
-
-class Schema:
-    """What the schemas of a prim say about its properties. Asked of USD once a combination of them."""
-
-    def __init__(self, definition: Usd.PrimDefinition) -> None:
-        self._definition = definition
-        self.names = frozenset(map(str, definition.GetPropertyNames()))
-        self.built_in = tuple(sorted(name for name in self.names if ":" not in name))
-        """Those without a namespace."""
-        self._attributes: dict[str, Sdf.AttributeSpec | None] = {}
-
-    def attribute(self, name: str) -> Sdf.AttributeSpec | None:
-        if name not in self._attributes:
-            self._attributes[name] = self._definition.GetSchemaAttributeSpec(name)
-        return self._attributes[name]
-
-    def is_relationship(self, name: str) -> bool:
-        return name in self.names and self.attribute(name) is None
-
-
-_schemas: dict[tuple[str, ...], Schema] = {}
-"""By the type of a prim and all that is applied to it."""
-
-
-class Asked:
-    """A prim, and what every question about its properties begins with."""
-
-    def __init__(self, prim: Usd.Prim, path: str = "") -> None:
-        self.prim = prim
-        self.path = path or str(prim.GetPath())
-        self.authored = dict.fromkeys(prim.GetAuthoredPropertyNames())
-        """Names, in the order of USD."""
-        info = prim.GetPrimTypeInfo()
-        schemas = (info.GetSchemaTypeName(), *info.GetAppliedAPISchemas())
-        if schemas not in _schemas:
-            _schemas[schemas] = Schema(prim.GetPrimDefinition())
-        self.schema = _schemas[schemas]
 
 
 def read_attr(
@@ -90,78 +59,87 @@ def read_attr(
 ) -> Attr[T]:
     """`empty` is what a reader holds when the value is blocked: a block kills the fallback too."""
     site = Site(f"{asked.path}.{name}", "default")
-    schema = asked.schema.attribute(name)
-    fallback = empty
-    if schema is not None and (default := schema.default) is not None:
-        fallback = plain(default)
+    fallback = asked.schema.fallback(name, plain, empty)
     if name not in asked.authored:
         return Attr(name, fallback, ValueState.FALLBACK, site)
-    attribute = asked.prim.GetAttribute(name)
+    attribute = _attribute(asked.prim, name)
     if not attribute:
         return Attr(name, fallback, ValueState.FALLBACK, site)
-    stack = [
-        spec
-        for spec in attribute.GetPropertyStack(Usd.TimeCode.Default())
-        if isinstance(spec, Sdf.AttributeSpec)
-    ]
+    stack = [spec for spec in asked.specs(name) if isinstance(spec, Sdf.AttributeSpec)]
     authored_type = str(stack[0].typeName) if stack else None
-    varying = _varying(stack)
+    valued = [spec for spec in stack if spec.HasInfo("default")]
+    varying = _varying(stack, valued)
     samples = _samples(attribute, plain) if with_samples and varying else ()
-
-    unread = ""
-    strongest = next((spec for spec in stack if spec.HasInfo("default")), None)
-
-    def attr(value: T, state: ValueState, at: Site = site) -> Attr[T]:
-        return Attr(name, value, state, at, samples, authored_type, varying, unread)
-
-    def at(spec: Sdf.AttributeSpec) -> Site:
+    spec, said, unread = _counting(valued, asked.schema.attribute(name))
+    if spec is not None and spec is not valued[0]:
         # Only what is passed over makes another opinion than the strongest count.
-        if spec == strongest:
-            return site
-        return replace(site, layer=spec.layer.identifier, spec=str(spec.path))
+        site = Site(site.path, "default", None, spec.layer.identifier, str(spec.path))
+    value, state = fallback, ValueState.FALLBACK
+    if isinstance(said, Sdf.ValueBlock):
+        value, state = empty, ValueState.BLOCKED
+    elif spec is not None:
+        value, state = (
+            plain(said),
+            ValueState.MISTYPED if unread is not None else ValueState.AUTHORED,
+        )
+    elif unread is not None:
+        state = ValueState.MISTYPED
+    elif varying is not None:
+        state, site = ValueState.SAMPLED, Site(site.path, varying)
+    return Attr(name, value, state, site, samples, authored_type, varying, unread or "")
 
-    state = ValueState.AUTHORED
-    for spec in stack:
+
+def _counting(
+    valued: list[Sdf.AttributeSpec], declared: Declared | None
+) -> tuple[Sdf.AttributeSpec | None, Any, str | None]:
+    """Of the opinions that hold a default the first that is read, if any, and its default; and what
+    the first one says that is passed over for its type."""
+    unread = None
+    for spec in valued:
+        said = spec.default
         # An animation block ends the samples of weaker layers, and lets their defaults through.
-        if not spec.HasInfo("default") or isinstance(spec.default, Sdf.AnimationBlock):
+        if isinstance(said, Sdf.AnimationBlock):
             continue
-        if isinstance(spec.default, Sdf.ValueBlock):
-            return attr(empty, ValueState.BLOCKED, at(spec))
-        if schema is not None and not same_storage(spec.typeName, schema.typeName):
-            # Passed over, not refused: a weaker opinion of the right type is read (26.11).
-            state = ValueState.MISTYPED
-            unread = unread or _as_text(spec.default, bool(spec.typeName.isArray))
-            continue
-        return attr(plain(spec.default), state, at(spec))
-    if state is ValueState.MISTYPED:
-        return attr(fallback, state)
-    if varying is not None:
-        return attr(fallback, ValueState.SAMPLED, Site(site.path, varying))
-    return attr(fallback, ValueState.FALLBACK)
+        written = spec.typeName
+        if (
+            isinstance(said, Sdf.ValueBlock)
+            or declared is None
+            or declared.fits(written, str(written))
+        ):
+            return spec, said, unread
+        # Passed over, not refused: a weaker opinion of the right type is read (26.11).
+        unread = unread or _as_text(said, bool(written.isArray))
+    return None, None, unread
 
 
-def _varying(stack: list[Sdf.AttributeSpec]) -> str | None:
+def _varying(stack: list[Sdf.AttributeSpec], valued: list[Sdf.AttributeSpec]) -> str | None:
     """How the value changes over time: a stronger layer's default ends the samples of weaker ones."""
-    fields = ("default", *_VARYING)
-    strongest = next((s for s in stack if any(s.HasInfo(f) for f in fields)), None)
-    return next((f for f in _VARYING if strongest is not None and strongest.HasInfo(f)), None)
+    for spec in stack:
+        for field in _VARYING:
+            if spec.HasInfo(field):
+                return field
+        if spec in valued:
+            return None
+    return None
 
 
 def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
     """What renderers and studios author beside the schema; at the first sample where there is no
     default, for it is never meant to vary."""
     found = []
+    names = asked.schema.names
     for name in asked.authored:
-        attribute = None if name in asked.schema.names else asked.prim.GetAttribute(name)
+        attribute = None if name in names else _attribute(asked.prim, name)
         if not attribute:
             continue
-        value = attribute.Get()
+        value = _get(attribute)
         if value is None:
-            value = attribute.Get(Usd.TimeCode.EarliestTime())
-        text = _as_text(value, bool(attribute.GetTypeName().isArray))
+            value = _get(attribute, Usd.TimeCode.EarliestTime())
+        type_name = _attribute_type(attribute)
+        text = _as_text(value, bool(type_name.isArray))
         state = ValueState.FALLBACK if value is None else ValueState.AUTHORED
         site = Site(f"{asked.path}.{name}", "default")
-        found.append(Attr(name, text, state, site, (), str(attribute.GetTypeName())))
+        found.append(Attr(name, text, state, site, (), str(type_name)))
     return tuple(found)
 
 
@@ -182,11 +160,6 @@ def _samples(attribute: Usd.Attribute, plain: Callable[[Any], T]) -> tuple[tuple
         if value is not None and not isinstance(value, Sdf.AssetPath):
             found.append((float(time), plain(value)))
     return tuple(found)
-
-
-def same_storage(one: Sdf.ValueTypeName, other: Sdf.ValueTypeName) -> bool:
-    """Types that differ in role only (`color3f`, `float3`) are read alike."""
-    return bool(one.type == other.type)
 
 
 @cache
@@ -211,52 +184,60 @@ def _read_property(asked: Asked, name: str) -> Property:
     if not is_schema and ":" in name:
         # Nobody judges a namespaced property but by its name: spare its property stack.
         return Property(name, Site(path), is_relationship=False)
-    stack = asked.prim.GetProperty(name).GetPropertyStack(Usd.TimeCode.Default())
-    wanted_rel = schema.is_relationship(name)
+    stack = asked.specs(name)
     if not stack:
         raise DamagedError(f"it lists the property <{path}>, which is not there")
+    declared = schema.attribute(name) if is_schema else None
     spec = stack[0]  # decides whether USD takes it for a relationship
-    if is_schema and not isinstance(spec, Sdf.RelationshipSpec):
-        valued = (s for s in stack if s.HasInfo("default") or s.HasInfo("timeSamples"))
-        spec = next(valued, spec)
-    is_rel = isinstance(spec, Sdf.RelationshipSpec)
-    if is_rel:  # a stronger layer may declare it, and a weaker one name the targets
-        spec = next((s for s in stack if s.HasInfo("targetPaths")), spec)
-    schema_attr = schema.attribute(name) if is_schema else None
-    allowed = _allowed(schema_attr)
-    refused = _refused(spec, allowed) if allowed and not is_rel else ()
+    if isinstance(spec, Sdf.RelationshipSpec):
+        # A stronger layer may declare it, and a weaker one name the targets.
+        spec = _first_with(stack, ("targetPaths",)) or spec
+        return Property(
+            name,
+            Site(path, None, None, spec.layer.identifier, str(spec.path)),
+            is_relationship=True,
+            is_schema=is_schema,
+            schema_type=declared.type_name if declared is not None else "",
+            schema_is_relationship=schema.is_relationship(name),
+            belongs_to=() if is_schema else owners_of(name),
+            custom=bool(spec.custom),
+            has_value=any(map(spec.HasInfo, _OPINIONS)),
+            schema_uniform=declared is not None and declared.uniform,
+        )
+    if is_schema:
+        spec = _first_with(stack, _VALUES) or spec
+    type_name = str(spec.typeName)
+    refused = _refused(spec, declared.allowed) if declared is not None and declared.allowed else ()
     return Property(
         name,
-        Site(
-            path,
-            None if is_rel else "typeName",
-            layer=spec.layer.identifier,
-            spec=str(spec.path),
-        ),
-        is_rel,
-        "" if is_rel else str(spec.typeName),
+        Site(path, "typeName", None, spec.layer.identifier, str(spec.path)),
+        False,
+        type_name,
         is_schema,
-        str(schema_attr.typeName) if schema_attr is not None else "",
-        wanted_rel,
-        schema_attr is None or is_rel or same_storage(spec.typeName, schema_attr.typeName),
+        declared.type_name if declared is not None else "",
+        schema.is_relationship(name),
+        declared is None or declared.fits(spec.typeName, type_name),
         () if is_schema else owners_of(name),
         bool(spec.custom),
-        any(spec.HasInfo(field) for field in _OPINIONS),
-        not is_rel and spec.variability == Sdf.VariabilityUniform,
-        schema_attr is not None and schema_attr.variability == Sdf.VariabilityUniform,
+        any(map(spec.HasInfo, _OPINIONS)),
+        spec.variability == Sdf.VariabilityUniform,
+        declared is not None and declared.uniform,
         refused,
-        allowed if refused else (),
+        declared.allowed if declared is not None and refused else (),
     )
 
 
-def _allowed(schema_attr: Sdf.AttributeSpec | None) -> tuple[str, ...]:
-    tokens = schema_attr.allowedTokens if schema_attr is not None else None
-    return tuple(str(t) for t in tokens) if tokens else ()
+def _first_with(stack: list[Sdf.PropertySpec], fields: tuple[str, ...]) -> Sdf.PropertySpec | None:
+    for spec in stack:
+        if any(map(spec.HasInfo, fields)):
+            return spec
+    return None
 
 
 def _refused(spec: Sdf.AttributeSpec, allowed: tuple[str, ...]) -> tuple[str, ...]:
     value = spec.default
-    if not isinstance(value, str | Vt.TokenArray):
-        return ()  # nothing, a block, or of another type
-    tokens = (value,) if isinstance(value, str) else tuple(value)
-    return tuple(str(t) for t in tokens if str(t) not in allowed)
+    if isinstance(value, str):
+        return () if value in allowed else (value,)
+    if isinstance(value, Vt.TokenArray):
+        return tuple(str(t) for t in items(value) if str(t) not in allowed)
+    return ()  # nothing, a block, or of another type
