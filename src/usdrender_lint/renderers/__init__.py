@@ -36,7 +36,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fnmatch import fnmatchcase
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -155,10 +155,10 @@ def _every(key: str, own: tuple[Own, ...]) -> frozenset[str]:
 
 def choose(evidence: Evidence, own: tuple[Own, ...] = ()) -> tuple[Renderer, str]:
     """The renderer that left by far the most traces, and which; `any` where none did, or several."""
-    weighed = [(name, *_weigh(told, evidence)) for name, told in _telling(own)]
-    most = max((weight for _, weight, _ in weighed), default=0)
-    if not most:
+    if not any(_is_trace(kind, t, own) for kind in _TRACES for t, _ in _traces(evidence, kind)):
         return renderer(ANY, own), "no traces of a renderer"
+    weighed = [(name, *_weigh(told, evidence)) for name, told in _telling(own)]
+    most = max(weight for _, weight, _ in weighed)
     contenders = [(name, reason) for name, weight, reason in weighed if 2 * weight > most]
     if len(contenders) == 1:
         return renderer(contenders[0][0], own), contenders[0][1]
@@ -185,6 +185,13 @@ def _telling(own: tuple[Own, ...]) -> list[tuple[str, list[tuple[str, tuple[str,
         for name, table in _tables(own).items()
         if (told := table.get("evidence"))
     ]
+
+
+@lru_cache(maxsize=4096)
+def _is_trace(kind: str, name: str, own: tuple[Own, ...]) -> bool:
+    """Whether any renderer goes by it: stages are full of names, the same ones over and over."""
+    patterns = (p for _, told in _telling(own) for k, listed in told if k == kind for p in listed)
+    return any(_fits(name, pattern) for pattern in patterns)
 
 
 def _weigh(told: Iterable[tuple[str, tuple[str, ...]]], evidence: Evidence) -> tuple[int, str]:
