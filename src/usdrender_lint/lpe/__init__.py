@@ -2,6 +2,7 @@
 
     read(text) -> Expression | Problem      in the dialects that count, the best of them
     suspicions(expression)                  it is read, and still matches nothing, or something else
+    suspicions_in(text)                     the same of the text, judged once
     extensions(text)                        what in it is not Open Shading Language
     looks_like_lpe(text)                    of a sourceName that does not say so
 
@@ -14,7 +15,7 @@ from .dialects import ALL, DIALECTS, OSL, Dialect, titles
 from .parse import parse
 from .portable import Extension, extensions
 from .problem import Problem
-from .read import accepted_by, has_variable, looks_like_lpe, read, strip_prefix
+from .read import accepted_by, has_variable, looks_like_lpe, read, strip_prefix, suspicions_in
 from .suspect import mended, suspicions
 from .suspicion import Edit, Suspicion
 from .tree import Expression
@@ -38,5 +39,6 @@ __all__ = [
     "read",
     "strip_prefix",
     "suspicions",
+    "suspicions_in",
     "titles",
 ]

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from ..lazily import lazily
 from .dialects import ALL, CAMERA, OSL, Dialect
 from .parse import parse
 from .problem import Problem
 from .suspect import suspicions
+from .suspicion import Suspicion
 from .tree import Choice, Either, Event, Expression, Group, Part, Repeat, Sequence, Symbol
 
 _PREFIX = "lpe:"
@@ -16,6 +19,7 @@ _MARKS = frozenset("<[*+")
 _VARIABLE = lazily(r"\$[A-Za-z_{]|`")
 
 
+@lru_cache(maxsize=1024)  # several rules read each expression, and shots have the same ones
 def read(text: str, dialects: tuple[Dialect, ...] = ALL) -> Expression | Problem:
     """As Open Shading Language reads it; else as the dialect that finds the least odd in it; else
     the problem of the one that came furthest."""
@@ -32,6 +36,13 @@ def read(text: str, dialects: tuple[Dialect, ...] = ALL) -> Expression | Problem
     if readings:
         return min(readings, key=lambda r: sum(1 for _ in suspicions(r)))
     return max(problems, key=lambda p: p.column, default=Problem("no renderer reads it", 1))
+
+
+@lru_cache(maxsize=1024)
+def suspicions_in(text: str, dialects: tuple[Dialect, ...] = ALL) -> tuple[Suspicion, ...]:
+    """What is odd in the text as these dialects read it; nothing, where none does."""
+    reading = read(text, dialects)
+    return () if isinstance(reading, Problem) else tuple(suspicions(reading))
 
 
 def accepted_by(text: str, dialects: tuple[Dialect, ...] = ALL) -> tuple[str, ...]:

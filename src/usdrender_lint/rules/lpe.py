@@ -18,7 +18,7 @@ from ..lpe import (
     mended,
     read,
     strip_prefix,
-    suspicions,
+    suspicions_in,
 )
 from ..lpe.dialects import titles
 from ..model import Var
@@ -86,8 +86,9 @@ def suspicious_lpe(var: Var, context: Context) -> Iterator[Finding]:
     """A light path expression matches nothing, or something else than was meant."""
     if not (text := _expression(var)):
         return
-    expression = read(text, _dialects(context.renderer))
-    if isinstance(expression, Problem) or not (odd := list(suspicions(expression))):
+    dialects = _dialects(context.renderer)
+    expression = read(text, dialects)
+    if isinstance(expression, Problem) or not (odd := suspicions_in(text, dialects)):
         return
     yield Finding(
         var.source_name,
