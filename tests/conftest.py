@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+
+from usdrender_lint import lint_file
+from usdrender_lint.rule import AnyRule, Context
+from usdrender_lint.run import Crash, Subject, Told, run
 
 ROOT = Path(__file__).parents[1]
 
@@ -37,3 +42,29 @@ def expect_text(update: bool) -> Callable[[Path, str], None]:
         assert file.read_text("utf-8") == text
 
     return check
+
+
+@pytest.fixture(autouse=True, scope="session")
+def spared_rules_are_silent() -> Iterator[None]:
+    """On every stage that any test lints here: a rule does not run where it has nothing to say, and
+    nowhere else."""
+
+    def checked(
+        rules: Iterable[AnyRule], subjects: Iterable[Subject], context: Context
+    ) -> tuple[list[Told], list[Crash]]:
+        rules, subjects = list(rules), list(subjects)
+        ran = run(rules, subjects, context)
+        all_ran = run([replace(r, about=frozenset()) for r in rules], subjects, context)
+        if _said(ran) != _said(all_ran):
+            pytest.fail(f"wrongly spared: {[s for s in _said(all_ran) if s not in _said(ran)]}")
+        return ran
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lint_file, "run", checked)
+        yield
+
+
+def _said(ran: tuple[list[Told], list[Crash]]) -> list[tuple[str, object]]:
+    told, crashes = ran
+    crashed = [(c.rule.id, f"{c.subject}: {c.error}") for c in crashes]
+    return [*((t.rule.id, t.finding) for t in told), *crashed]

@@ -18,6 +18,15 @@ T = TypeVar("T")
 
 RENDER_TYPES = ("RenderSettings", "RenderProduct", "RenderVar", "RenderPass")
 
+EXPECTED = {
+    "camera": "Camera",
+    "products": "RenderProduct",
+    "orderedVars": "RenderVar",
+    "renderSource": "RenderSettings",
+    "inputPasses": "RenderPass",
+}
+"""What each relationship of a render prim is to lead to."""
+
 
 class State(StrEnum):
     """Whether a renderer meets a prim."""

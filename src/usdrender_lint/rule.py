@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import field
 from enum import StrEnum
 from fnmatch import fnmatchcase
@@ -114,6 +114,41 @@ class Renderer:
         return any(fnmatchcase(type_name, pattern) for pattern in self.camera_types)
 
 
+class Sign(StrEnum):
+    """What most stages do not show, and many rules speak of; `signs` looks for it."""
+
+    RENDER_PASS = "render pass"  # noqa: S105 no secret
+    OTHER_PRIM = "other prim"
+    """One in the render scope that is neither a render prim nor a mere group, or one of a misspelt
+    type."""
+    STRAY = "stray"
+    """A render prim outside the scope."""
+    OVER = "over"
+    """A render prim that no layer defines."""
+    OTHER_TYPE = "other type"
+    """Layers disagree on the type of a prim."""
+    ODD_SCOPE = "odd scope"
+    """A prim that groups render prims and is not live, or no Scope."""
+    ODD_DEFAULT = "odd default"
+    """The default settings are named in a wrong place, or are anything but a live RenderSettings."""
+    ODD_TARGET = "odd target"
+    """A relationship leads, or was to lead, elsewhere than straight to live prims of the right type."""
+    ODD_PROPERTY = "odd property"
+    """One that is not as its schema has it, or is of no schema and in no namespace."""
+    BLOCKED = "blocked"
+    VARYING = "varying"
+    """An attribute has time samples or a spline, and is meant to have one value."""
+    SAMPLED_NAME = "sampled name"
+    """A product's name has time samples."""
+    UNKNOWN_DATA_TYPE = "unknown data type"
+    COLLECTION = "collection"
+    """Somebody writes a collection of a pass."""
+    COLLECTION_PROPERTY = "collection property"
+    INSTANCED_CAMERA = "instanced camera"
+    MISSING_VARIANT = "missing variant"
+    ARC_ERROR = "arc error"
+
+
 @dataclass(frozen=True, slots=True)
 class Context:
     """What a rule may know beside its subject."""
@@ -140,6 +175,9 @@ class Rule(Generic[S]):
     """Rules whose findings at or below the same object only repeat this one's cause."""
     by_itself: bool = False
     """It judges one opinion, whatever other layers say: so, too, in a layer of mere overrides."""
+    about: frozenset[str] = frozenset()
+    """Signs, and names of attributes and relationships: on a stage that shows none of them it has
+    nothing to say, and does not run. Empty: it may always have."""
 
     @property
     def needs_scene(self) -> bool:
@@ -158,6 +196,7 @@ def rule(
     renderers: tuple[str, ...] = (),
     supersedes: tuple[str, ...] = (),
     by_itself: bool = False,
+    about: Iterable[str] = (),
 ) -> Callable[[Callable[[S, Context], Iterator[Finding]]], Rule[S]]:
     """Turn a function into a `Rule`. Nothing is registered: see `registry`."""
 
@@ -175,6 +214,7 @@ def rule(
             renderers,
             supersedes,
             by_itself,
+            frozenset(about),
         )
 
     return decorate

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 from .model import Camera, Layer, RenderPrim, RenderScope, Scene, State, Suppressions
 from .records import dataclass
 from .rule import AnyRule, Context, Finding
+from .signs import signs_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +50,15 @@ def run(
     told: list[Told] = []
     crashes: list[Crash] = []
     everything = list(subjects)
-    of_type: dict[type, list[Subject]] = {}
+    shown = _shown(everything)
+    judged: dict[tuple[type, bool], list[Subject]] = {}
     for rule in rules:
-        if rule.on not in of_type:
-            of_type[rule.on] = [s for s in everything if isinstance(s, rule.on)]
-        for subject in of_type[rule.on]:
-            if isinstance(subject, RenderPrim) and not subject.live and not rule.by_itself:
-                continue
+        if rule.about and shown is not None and rule.about.isdisjoint(shown):
+            continue
+        kind = rule.on, rule.by_itself
+        if kind not in judged:
+            judged[kind] = list(_judged_by(rule, everything))
+        for subject in judged[kind]:
             try:
                 for finding in rule.check(subject, context):
                     told.append(Told(rule, finding))
@@ -63,3 +66,17 @@ def run(
                 name = subject.path if not isinstance(subject, RenderScope) else subject.root
                 crashes.append(Crash(rule, name, f"{type(error).__name__}: {error}"))
     return told, crashes
+
+
+def _shown(subjects: list[Subject]) -> set[str] | None:
+    """None where no scope is among them to tell."""
+    scope = next((s for s in subjects if isinstance(s, RenderScope)), None)
+    return None if scope is None else signs_of(scope)
+
+
+def _judged_by(rule: AnyRule, subjects: list[Subject]) -> Iterator[Subject]:
+    for subject in subjects:
+        if isinstance(subject, rule.on):
+            is_dead = isinstance(subject, RenderPrim) and not subject.live
+            if rule.by_itself or not is_dead:
+                yield subject

@@ -9,6 +9,7 @@ from typing import Any, TypeVar
 from pxr import Sdf, Usd
 
 from ..model import (
+    EXPECTED,
     RENDER_TYPES,
     Attr,
     FrameRange,
@@ -39,7 +40,7 @@ from .metadata import authored_default, default_path, read_default
 from .parts import Definitions, Part, read_part
 from .prims import Asked, state_of, type_is_known
 from .strays import stray_paths
-from .targets import EXPECTED, Targets
+from .targets import Targets
 from .text import Texts
 from .values import (
     plain_asset,

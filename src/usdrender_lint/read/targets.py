@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from pxr import Pcp, Sdf, Tf, Usd
 
 from ..likeness import most_alike
-from ..model import RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
+from ..model import EXPECTED, RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
 from ..sites import node_of, out_of_namespace_of
 from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
@@ -18,14 +18,6 @@ from .parts import Part
 from .prims import Asked, Prims, state_of, type_is_known
 from .specs import children_of, there
 from .text import Texts
-
-EXPECTED = {
-    "camera": "Camera",
-    "products": "RenderProduct",
-    "orderedVars": "RenderVar",
-    "renderSource": "RenderSettings",
-    "inputPasses": "RenderPass",
-}
 
 _FIELD_OF_ARC = {
     Pcp.ArcTypePayload: "payload",

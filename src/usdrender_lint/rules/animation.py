@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from ..model import Attr, Pass, RenderPrim, Site, ValueState
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import spelt
 
 GROUP = "animation"
@@ -18,6 +18,7 @@ GROUP = "animation"
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("empty-source-name",),
+    about=(Sign.VARYING,),
 )
 def animated_uniform(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """An attribute that has one value for all frames is animated."""

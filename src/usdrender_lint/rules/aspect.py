@@ -26,7 +26,12 @@ POLICIES = (
 
 
 @rule(
-    "unknown-aspect-policy", on=SettingsBase, severity=Severity.ERROR, since="0.1", by_itself=True
+    "unknown-aspect-policy",
+    on=SettingsBase,
+    severity=Severity.ERROR,
+    since="0.1",
+    by_itself=True,
+    about=("aspectRatioConformPolicy",),
 )
 def unknown_aspect_policy(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """`aspectRatioConformPolicy` holds a word that USD does not know."""
@@ -51,6 +56,7 @@ def unknown_aspect_policy(prim: SettingsBase, context: Context) -> Iterator[Find
     since="0.1",
     supersedes=("ignored-pixel-aspect-ratio",),
     by_itself=True,
+    about=("pixelAspectRatio",),
 )
 def invalid_pixel_aspect_ratio(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The pixel aspect ratio is no number above 0."""
@@ -64,7 +70,13 @@ def invalid_pixel_aspect_ratio(prim: SettingsBase, context: Context) -> Iterator
         )
 
 
-@rule("ignored-pixel-aspect-ratio", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "ignored-pixel-aspect-ratio",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("pixelAspectRatio",),
+)
 def ignored_pixel_aspect_ratio(settings: Settings, context: Context) -> Iterator[Finding]:
     """A pixel aspect ratio is authored, and the policy computes another."""
     for view in views_of(settings):

@@ -17,7 +17,7 @@ from ..model import (
     ValueState,
     View,
 )
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._chains import dead_ends, start_of
 from ._words import paths
 
@@ -112,7 +112,13 @@ def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("inverted-shutter", on=Camera, severity=Severity.ERROR, since="0.1")
+@rule(
+    "inverted-shutter",
+    on=Camera,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=("shutter:open", "shutter:close"),
+)
 def inverted_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
     """The shutter closes before it opens."""
     opens, closes = camera.shutter_open, camera.shutter_close
@@ -154,7 +160,13 @@ def _blurs(view: View) -> bool:
     return not (view.disable_motion_blur.value or view.instantaneous_shutter.value)
 
 
-@rule("invalid-clipping-range", on=Camera, severity=Severity.ERROR, since="0.1")
+@rule(
+    "invalid-clipping-range",
+    on=Camera,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=("clippingRange",),
+)
 def invalid_clipping_range(camera: Camera, context: Context) -> Iterator[Finding]:
     """The clipping range leaves nothing between its planes, or begins behind the lens."""
     attr = camera.clipping_range
@@ -182,7 +194,13 @@ def invalid_clipping_range(camera: Camera, context: Context) -> Iterator[Finding
             return
 
 
-@rule("invalid-camera-lens", on=Camera, severity=Severity.ERROR, since="0.1")
+@rule(
+    "invalid-camera-lens",
+    on=Camera,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=("horizontalAperture", "verticalAperture", "focalLength"),
+)
 def invalid_camera_lens(camera: Camera, context: Context) -> Iterator[Finding]:
     """An aperture or the focal length is not above 0."""
     needed = [camera.horizontal_aperture, camera.vertical_aperture]
@@ -200,7 +218,9 @@ def invalid_camera_lens(camera: Camera, context: Context) -> Iterator[Finding]:
                 break
 
 
-@rule("incomplete-depth-of-field", on=Camera, severity=Severity.WARNING, since="0.1")
+@rule(
+    "incomplete-depth-of-field", on=Camera, severity=Severity.WARNING, since="0.1", about=("fStop",)
+)
 def incomplete_depth_of_field(camera: Camera, context: Context) -> Iterator[Finding]:
     """There is an f-stop and no distance to focus at."""
     focused = [v for v in camera.views if not v.disable_depth_of_field.value]
@@ -219,7 +239,13 @@ def incomplete_depth_of_field(camera: Camera, context: Context) -> Iterator[Find
             return
 
 
-@rule("instanced-camera", on=Camera, severity=Severity.WARNING, since="0.1")
+@rule(
+    "instanced-camera",
+    on=Camera,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.INSTANCED_CAMERA,),
+)
 def instanced_camera(camera: Camera, context: Context) -> Iterator[Finding]:
     """The camera stands in an instance."""
     if camera.instance is None:
@@ -261,7 +287,14 @@ def aspect_mismatch(camera: Camera, context: Context) -> Iterator[Finding]:
             )
 
 
-@rule("animated-aperture", on=Camera, severity=Severity.NOTE, since="0.1", default=False)
+@rule(
+    "animated-aperture",
+    on=Camera,
+    severity=Severity.NOTE,
+    since="0.1",
+    default=False,
+    about=("horizontalAperture", "verticalAperture"),
+)
 def animated_aperture(camera: Camera, context: Context) -> Iterator[Finding]:
     """The aperture varies, and the image is fitted with its value at the default time."""
     for attr in (camera.horizontal_aperture, camera.vertical_aperture):

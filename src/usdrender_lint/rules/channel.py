@@ -173,6 +173,7 @@ def _only_precision(one: Var, other: Var) -> bool:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("invalid-lpe", "nonportable-lpe", "suspicious-lpe", "unknown-primvar"),
+    about=("sourceType",),
 )
 def prefixed_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A source name repeats what the source type says already."""

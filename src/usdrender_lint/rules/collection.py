@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Collection, HasSite, Pass, Target, ValueState
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._collections import VISIBILITY, includes_all, is_written
 from ._handful import handful
 from ._words import one_of
@@ -15,7 +15,7 @@ GROUP = "collection"
 EXPANSION_RULES = ("explicitOnly", "expandPrims", "expandPrimsAndProperties")
 
 
-@rule("ignored-membership", on=Pass, severity=Severity.ERROR, since="0.1")
+@rule("ignored-membership", on=Pass, severity=Severity.ERROR, since="0.1", about=(Sign.COLLECTION,))
 def ignored_membership(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A collection is written in two styles, and one of them is ignored."""
     for found in render_pass.collections:
@@ -57,7 +57,7 @@ def _why_ignored(found: Collection) -> tuple[str, str]:
     )
 
 
-@rule("redundant-includes", on=Pass, severity=Severity.ERROR, since="0.1")
+@rule("redundant-includes", on=Pass, severity=Severity.ERROR, since="0.1", about=(Sign.COLLECTION,))
 def redundant_includes(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """Includes are listed in a collection that includes everything already."""
     for found in render_pass.collections:
@@ -92,6 +92,7 @@ def _reincludes(found: Collection) -> bool:
     on=Pass,
     severity=Severity.ERROR,
     since="0.1",
+    about=(Sign.COLLECTION,),
 )
 def excludes_without_includes(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A collection takes out of nothing."""
@@ -119,7 +120,7 @@ def excludes_without_includes(render_pass: Pass, context: Context) -> Iterator[F
         )
 
 
-@rule("empty-visibility", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule("empty-visibility", on=Pass, severity=Severity.WARNING, since="0.1", about=(Sign.COLLECTION,))
 def empty_visibility(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """Nothing is visible by the visibility of a pass, which renderers understand differently."""
     for found in render_pass.collections:
@@ -153,6 +154,7 @@ def _why_empty(found: Collection) -> HasSite:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("disallowed-token",),
+    about=(Sign.COLLECTION,),
 )
 def invalid_collection(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """USD refuses a collection, or a part of it has no effect."""
@@ -237,6 +239,7 @@ def _refused(found: Collection) -> Iterator[Finding]:
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=(Sign.COLLECTION,),
 )
 def collection_mode_portability(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A collection's mode is written, which older versions of USD do not know."""

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Collection, Gives, HasSite, Member, Pass, RenderScope, Settings, State, Target
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._collections import UNSEEN, VISIBILITY, includes_all
 from ._handful import handful
 
 GROUP = "collection"
 
 
-@rule("instanced-member", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule("instanced-member", on=Pass, severity=Severity.WARNING, since="0.1", about=(Sign.COLLECTION,))
 def instanced_member(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pass is to show an instance, into which its visibility does not reach."""
     for found in render_pass.collections:
@@ -35,7 +35,13 @@ def _instanced(member: Member, found: Collection) -> Finding:
     )
 
 
-@rule("prune-removes-camera", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "prune-removes-camera",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.COLLECTION,),
+)
 def prune_removes_camera(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A pass prunes the camera that it renders through, or its own settings."""
     settings = {s.path: s for s in scope.settings if s.live}
@@ -84,7 +90,9 @@ def _reason(found: Collection, top: str) -> HasSite:
     return found.include_root if found.include_root.value else found.includes
 
 
-@rule("matte-not-visible", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule(
+    "matte-not-visible", on=Pass, severity=Severity.WARNING, since="0.1", about=(Sign.COLLECTION,)
+)
 def matte_not_visible(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A matte, or what the camera is to see, is hidden by the pass."""
     visible = render_pass.collection("renderVisibility")
@@ -131,7 +139,7 @@ def _side(found: Collection) -> HasSite:
     return found.includes if found.includes.targets else found.excludes
 
 
-@rule("visible-but-pruned", on=Pass, severity=Severity.NOTE, since="0.1")
+@rule("visible-but-pruned", on=Pass, severity=Severity.NOTE, since="0.1", about=(Sign.COLLECTION,))
 def visible_but_pruned(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pass includes a prim in what is seen, and prunes it."""
     prune = render_pass.collection("prune")
@@ -156,6 +164,7 @@ def visible_but_pruned(render_pass: Pass, context: Context) -> Iterator[Finding]
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=(Sign.COLLECTION,),
 )
 def invisible_member(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pass includes a prim that is invisible by itself."""

@@ -15,7 +15,7 @@ from ..model import (
     PredicateState,
     State,
 )
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._collections import UNSEEN
 from ._handful import handful
 from ._words import SIMILAR, joined, paths
@@ -28,6 +28,7 @@ GROUP = "collection"
     on=Pass,
     severity=Severity.WARNING,
     since="0.1",
+    about=(Sign.COLLECTION,),
 )
 def pattern_without_descendants(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pattern names a group, and not what is in it."""
@@ -72,6 +73,7 @@ def _cut_by_rule(found: Collection) -> Iterator[Finding]:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("invalid-collection",),
+    about=(Sign.COLLECTION,),
 )
 def unresolved_member(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A collection names a prim that does not exist."""
@@ -168,6 +170,7 @@ def _spelt(path: str) -> str:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("unresolved-member",),
+    about=(Sign.COLLECTION,),
 )
 def relative_pattern(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pattern does not begin at the root, and so leads to something below the pass."""
@@ -183,7 +186,7 @@ def relative_pattern(render_pass: Pass, context: Context) -> Iterator[Finding]:
                 )
 
 
-@rule("unknown-predicate", on=Pass, severity=Severity.ERROR, since="0.1")
+@rule("unknown-predicate", on=Pass, severity=Severity.ERROR, since="0.1", about=(Sign.COLLECTION,))
 def unknown_predicate(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """USD does not know a predicate of an expression, or it can match nothing."""
     for found in render_pass.collections:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Gives, OtherCollection, Pass, Property, RenderPrim
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._collections import is_written
 from ._words import nearest, one_of
 
@@ -21,7 +21,13 @@ PROPERTIES = (
 )
 
 
-@rule("unknown-collection", on=RenderPrim, severity=Severity.WARNING, since="0.1")
+@rule(
+    "unknown-collection",
+    on=RenderPrim,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.COLLECTION_PROPERTY,),
+)
 def unknown_collection(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property belongs to a collection that the prim does not have."""
     told: set[str] = set()
@@ -56,7 +62,13 @@ def _not_applied(prim: RenderPrim, prop: Property, name: str) -> Finding:
     )
 
 
-@rule("missing-included-collection", on=Pass, severity=Severity.ERROR, since="0.1")
+@rule(
+    "missing-included-collection",
+    on=Pass,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.COLLECTION,),
+)
 def missing_included_collection(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A collection takes in another one that does not exist, or that gives it nothing."""
     for found in render_pass.collections:

@@ -25,7 +25,13 @@ _MEANT_SPACES = {
 """By lower case. Rendering is linear: who writes sRGB wants its primaries."""
 
 
-@rule("unknown-rendering-color-space", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "unknown-rendering-color-space",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("renderingColorSpace",),
+)
 def unknown_rendering_color_space(settings: Settings, context: Context) -> Iterator[Finding]:
     """`renderingColorSpace` is a name that neither USD nor the scene defines."""
     attr = settings.rendering_color_space
@@ -51,7 +57,13 @@ def _meant_space(name: str, known: tuple[str, ...]) -> str | None:
     return _MEANT_SPACES.get(name.lower()) or nearest(name, known)
 
 
-@rule("nonlinear-rendering-color-space", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "nonlinear-rendering-color-space",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("renderingColorSpace",),
+)
 def nonlinear_rendering_color_space(settings: Settings, context: Context) -> Iterator[Finding]:
     """`renderingColorSpace` names a space in which light does not add up."""
     attr, space = settings.rendering_color_space, settings.color_space

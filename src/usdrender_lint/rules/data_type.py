@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from ..model import RenderScope, Var
-from ..rule import Context, Finding, Renderer, Severity, rule
+from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._handful import handful
 from ._types import Pixel, pixel
 from ._used import live, used
@@ -36,7 +36,14 @@ _VALUE_TYPES = (
 )  # fmt: skip
 
 
-@rule("unknown-data-type", on=Var, severity=Severity.ERROR, since="0.1", by_itself=True)
+@rule(
+    "unknown-data-type",
+    on=Var,
+    severity=Severity.ERROR,
+    since="0.1",
+    by_itself=True,
+    about=(Sign.UNKNOWN_DATA_TYPE,),
+)
 def unknown_data_type(var: Var, context: Context) -> Iterator[Finding]:
     """`dataType` names no value type of USD."""
     kind = var.data_type
@@ -149,7 +156,13 @@ def _mismatch(var: Var, held: Pixel) -> Finding | None:
     return None
 
 
-@rule("nonstandard-data-type", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "nonstandard-data-type",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.UNKNOWN_DATA_TYPE,),
+)
 def nonstandard_data_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`dataType` is a name that some renderers know and USD does not."""
     found = (

@@ -26,6 +26,7 @@ _CROPPED = 1e-4
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("data-window-units", "leftover-crop"),
+    about=("dataWindowNDC",),
 )
 def empty_data_window(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The data window holds no pixel."""
@@ -80,6 +81,7 @@ def _mended(window: Window) -> str:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("leftover-crop",),
+    about=("dataWindowNDC",),
 )
 def data_window_units(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The data window counts pixels, where the frame is 1 wide and 1 high."""
@@ -104,7 +106,9 @@ def data_window_units(scope: RenderScope, context: Context) -> Iterator[Finding]
         )
 
 
-@rule("leftover-crop", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "leftover-crop", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("dataWindowNDC",)
+)
 def leftover_crop(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Only a part of the frame is rendered."""
     named = named_settings(scope)

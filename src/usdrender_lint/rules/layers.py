@@ -5,13 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import Product, RenderPrim, RenderScope, Site, ValueState
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import nearest, one_of, paths, spelt
 
 GROUP = "layer"
 
 
-@rule("missing-variant", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "missing-variant",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.MISSING_VARIANT,),
+)
 def missing_variant(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A prim of the render scope selects a variant that does not exist."""
     for choice in scope.missing_variants:
@@ -30,7 +36,13 @@ def missing_variant(scope: RenderScope, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("clobbered-targets", on=RenderPrim, severity=Severity.NOTE, since="0.1")
+@rule(
+    "clobbered-targets",
+    on=RenderPrim,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.ODD_TARGET,),
+)
 def clobbered_targets(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A stronger layer's list replaces a weaker layer's products or vars."""
     for rel in prim.rels:
@@ -58,6 +70,7 @@ def clobbered_targets(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         "settings-without-products",
         "wrong-target-type",
     ),
+    about=(Sign.OTHER_TYPE,),
 )
 def conflicting_prim_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """Layers disagree on the type of a render prim."""
@@ -71,7 +84,7 @@ def conflicting_prim_type(prim: RenderPrim, context: Context) -> Iterator[Findin
         )
 
 
-@rule("blocked-value", on=RenderPrim, severity=Severity.WARNING, since="0.1")
+@rule("blocked-value", on=RenderPrim, severity=Severity.WARNING, since="0.1", about=(Sign.BLOCKED,))
 def blocked_value(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A value is blocked, which kills the fallback, too."""
     for attr in prim.attrs():

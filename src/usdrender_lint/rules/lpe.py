@@ -56,7 +56,7 @@ def _column(var: Var, found: Problem | Suspicion | Extension) -> int:
     return found.column + len(text) - len(strip_prefix(text))
 
 
-@rule("invalid-lpe", on=Var, severity=Severity.ERROR, since="0.1")
+@rule("invalid-lpe", on=Var, severity=Severity.ERROR, since="0.1", about=("sourceType",))
 def invalid_lpe(var: Var, context: Context) -> Iterator[Finding]:
     """A light path expression cannot be read."""
     if not (text := _expression(var)):
@@ -81,6 +81,7 @@ def invalid_lpe(var: Var, context: Context) -> Iterator[Finding]:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("nonportable-lpe",),
+    about=("sourceType",),
 )
 def suspicious_lpe(var: Var, context: Context) -> Iterator[Finding]:
     """A light path expression matches nothing, or something else than was meant."""
@@ -113,7 +114,7 @@ def _meant(expression: Expression) -> str:
     )
 
 
-@rule("nonportable-lpe", on=Var, severity=Severity.NOTE, since="0.1")
+@rule("nonportable-lpe", on=Var, severity=Severity.NOTE, since="0.1", about=("sourceType",))
 def nonportable_lpe(var: Var, context: Context) -> Iterator[Finding]:
     """A light path expression needs what only some renderers have."""
     # Where the renderer is known, its own language is no fault.

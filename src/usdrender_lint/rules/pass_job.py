@@ -17,7 +17,7 @@ _VARIABLE = lazily(r"(?<!\{)\{([A-Za-z_][\w:]*)\}(?!\})")
 _LIKE = 0.75
 
 
-@rule("unsplit-command", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule("unsplit-command", on=Pass, severity=Severity.WARNING, since="0.1", about=("command",))
 def unsplit_command(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A command is written as one string, and not as a list of arguments."""
     command = render_pass.command.value
@@ -48,7 +48,9 @@ def _is_whole_command(text: str) -> bool:
     return starts or not (is_path and goes_on)
 
 
-@rule("unknown-command-variable", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule(
+    "unknown-command-variable", on=Pass, severity=Severity.WARNING, since="0.1", about=("command",)
+)
 def unknown_command_variable(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """The command of a pass has a variable that no attribute of the pass fills."""
     built_in = set(render_pass.built_in)
@@ -77,7 +79,7 @@ def _meant(name: str, known: set[str]) -> str | None:
     return nearest(name, known, _LIKE)
 
 
-@rule("unresolved-pass-file", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule("unresolved-pass-file", on=Pass, severity=Severity.WARNING, since="0.1", about=("fileName",))
 def unresolved_pass_file(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """The file of a pass does not exist."""
     if render_pass.file_found is False:
@@ -89,7 +91,9 @@ def unresolved_pass_file(render_pass: Pass, context: Context) -> Iterator[Findin
         )
 
 
-@rule("external-render-source", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule(
+    "external-render-source", on=Pass, severity=Severity.WARNING, since="0.1", about=("fileName",)
+)
 def external_render_source(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pass names a file, and a render source that is not in it."""
     file = render_pass.file_name.value

@@ -10,7 +10,7 @@ from itertools import pairwise
 
 from ..lazily import lazily
 from ..model import HasSite, Output, Pass, RenderScope, Settings, Site, Target
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._chains import dead_ends, start_of
 from ._names import is_file
 from ._order import Order
@@ -44,7 +44,9 @@ def missing_render_source(render_pass: Pass, context: Context) -> Iterator[Findi
     )
 
 
-@rule("input-pass-cycle", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "input-pass-cycle", on=RenderScope, severity=Severity.ERROR, since="0.1", about=("inputPasses",)
+)
 def input_pass_cycle(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Passes wait for each other."""
     passes = {p.path: p for p in scope.passes if p.live}
@@ -111,6 +113,7 @@ def _way_back(start: str, inputs: Mapping[str, list[str]]) -> list[str]:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("shared-product",),
+    about=(Sign.RENDER_PASS,),
 )
 def passes_overwrite_output(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Several passes write the same file."""
@@ -226,6 +229,7 @@ def multiple_render_sources(render_pass: Pass, context: Context) -> Iterator[Fin
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("empty-product-name", "settings-without-products"),
+    about=("inputPasses",),
 )
 def input_pass_without_output(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A pass waits for another one that writes no file."""
@@ -269,7 +273,13 @@ def _unread(source: Settings, one: Pass, waiting: list[Pass]) -> Iterator[Findin
             )
 
 
-@rule("duplicate-pass-name", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "duplicate-pass-name",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.RENDER_PASS,),
+)
 def duplicate_pass_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Two passes have the same name, which is the name of the prim."""
     first: dict[str, Pass] = {}

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ..lazily import lazily
 from ..model import FrameRange, Product, RenderScope
-from ..rule import Context, Finding, Renderer, Severity, rule
+from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._handful import handful
 from ._names import (
     DRIVER_ATTRIBUTES,
@@ -152,7 +152,13 @@ def frame_token_in_product_name(scope: RenderScope, context: Context) -> Iterato
     yield from handful(found, "products")
 
 
-@rule("name-only-time-sampled", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "name-only-time-sampled",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.SAMPLED_NAME,),
+)
 def name_only_time_sampled(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's name has time samples and no default."""
     found = (

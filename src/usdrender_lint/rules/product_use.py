@@ -147,7 +147,13 @@ def _differing_views(settings: Settings) -> Finding | None:
     )
 
 
-@rule("mixed-blur-settings", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "mixed-blur-settings",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=("disableMotionBlur", "disableDepthOfField"),
+)
 def mixed_blur_settings(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Products of one render disagree on motion blur or depth of field."""
     told: set[Site] = set()

@@ -15,7 +15,7 @@ from ..model import (
     Site,
     State,
 )
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import a_or_an, joined, nearest, one_of
 
 GROUP = "property"
@@ -37,6 +37,7 @@ GROUP = "property"
         "settings-without-products",
     ),
     by_itself=True,
+    about=(Sign.ODD_PROPERTY,),
 )
 def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property is nearly, but not quite, one of the schema's."""
@@ -77,6 +78,7 @@ def _taking_from(prim: RenderPrim) -> Iterator[str]:
         "product-without-vars",
     ),
     by_itself=True,
+    about=(Sign.ODD_PROPERTY,),
 )
 def misplaced_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property stands on the wrong kind of render prim."""
@@ -117,6 +119,7 @@ def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
         "variability-mismatch",
     ),
     by_itself=True,
+    about=(Sign.ODD_PROPERTY,),
 )
 def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A schema attribute is authored with another type, so renderers do not read it."""
@@ -139,6 +142,7 @@ def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("default-settings-wrong-type", "wrong-target-type"),
+    about=(Sign.OTHER_PRIM,),
 )
 def unknown_prim_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A prim's type is nearly, but not quite, one of the render types."""
@@ -167,6 +171,7 @@ def _meant_type(name: str) -> str | None:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("default-settings-wrong-type", "wrong-target-type"),
+    about=(Sign.OTHER_PRIM,),
 )
 def untyped_render_prim(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A prim has the properties of a render prim and no type."""

@@ -26,6 +26,7 @@ MATERIAL_PURPOSES = ("full", "preview")
     since="0.1",
     supersedes=("default-purpose-omitted", "render-purpose-omitted"),
     by_itself=True,
+    about=("includedPurposes",),
 )
 def unknown_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """`includedPurposes` holds a word that is no purpose."""
@@ -44,7 +45,13 @@ def unknown_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     )
 
 
-@rule("repeated-purpose", on=Settings, severity=Severity.NOTE, since="0.1")
+@rule(
+    "repeated-purpose",
+    on=Settings,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=("includedPurposes", "materialBindingPurposes"),
+)
 def repeated_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """A list of purposes holds one of them twice."""
     for attr in (settings.included_purposes, settings.material_binding_purposes):
@@ -59,7 +66,13 @@ def repeated_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
             )
 
 
-@rule("proxy-with-render", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "proxy-with-render",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("includedPurposes",),
+)
 def proxy_with_render(settings: Settings, context: Context) -> Iterator[Finding]:
     """Both the stand-ins and the real geometry are rendered."""
     purposes = settings.included_purposes.value
@@ -73,7 +86,12 @@ def proxy_with_render(settings: Settings, context: Context) -> Iterator[Finding]
 
 
 @rule(
-    "unknown-material-purpose", on=Settings, severity=Severity.WARNING, since="0.1", by_itself=True
+    "unknown-material-purpose",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    by_itself=True,
+    about=("materialBindingPurposes",),
 )
 def unknown_material_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """`materialBindingPurposes` holds a word that is not one of the schema's."""
@@ -100,6 +118,7 @@ def unknown_material_purpose(settings: Settings, context: Context) -> Iterator[F
     since="0.1",
     default=False,
     supersedes=("no-all-purpose-fallback",),
+    about=("materialBindingPurposes",),
 )
 def many_material_purposes(settings: Settings, context: Context) -> Iterator[Finding]:
     """More than one material purpose is listed, where most renders want one."""
@@ -120,6 +139,7 @@ def many_material_purposes(settings: Settings, context: Context) -> Iterator[Fin
     on=Settings,
     severity=Severity.WARNING,
     since="0.1",
+    about=("includedPurposes",),
 )
 def empty_purposes(settings: Settings, context: Context) -> Iterator[Finding]:
     """`includedPurposes` is an empty list."""
@@ -133,7 +153,13 @@ def empty_purposes(settings: Settings, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("default-purpose-omitted", on=Settings, severity=Severity.NOTE, since="0.1")
+@rule(
+    "default-purpose-omitted",
+    on=Settings,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=("includedPurposes",),
+)
 def default_purpose_omitted(settings: Settings, context: Context) -> Iterator[Finding]:
     """`includedPurposes` does not list 'default'."""
     attr = settings.included_purposes
@@ -153,6 +179,7 @@ def default_purpose_omitted(settings: Settings, context: Context) -> Iterator[Fi
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("includedPurposes",),
 )
 def render_purpose_omitted(settings: Settings, context: Context) -> Iterator[Finding]:
     """`includedPurposes` lists neither 'render' nor 'proxy'."""
@@ -167,7 +194,9 @@ def render_purpose_omitted(settings: Settings, context: Context) -> Iterator[Fin
         )
 
 
-@rule("guide-in-render", on=Settings, severity=Severity.NOTE, since="0.1")
+@rule(
+    "guide-in-render", on=Settings, severity=Severity.NOTE, since="0.1", about=("includedPurposes",)
+)
 def guide_in_render(settings: Settings, context: Context) -> Iterator[Finding]:
     """Guides will be in the picture."""
     attr = settings.included_purposes
@@ -180,7 +209,13 @@ def guide_in_render(settings: Settings, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("empty-material-purposes", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "empty-material-purposes",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("materialBindingPurposes",),
+)
 def empty_material_purposes(settings: Settings, context: Context) -> Iterator[Finding]:
     """`materialBindingPurposes` is an empty list."""
     attr = settings.material_binding_purposes
@@ -199,6 +234,7 @@ def empty_material_purposes(settings: Settings, context: Context) -> Iterator[Fi
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("houdini-all-purpose", "repeated-purpose"),
+    about=("materialBindingPurposes",),
 )
 def material_purpose_order(settings: Settings, context: Context) -> Iterator[Finding]:
     """Bindings for all purposes are looked up before those for a special one."""
@@ -223,6 +259,7 @@ def material_purpose_order(settings: Settings, context: Context) -> Iterator[Fin
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("materialBindingPurposes",),
 )
 def houdini_all_purpose(settings: Settings, context: Context) -> Iterator[Finding]:
     """`materialBindingPurposes` holds the token's name, 'allPurpose', where its value is ''."""
@@ -244,6 +281,7 @@ def houdini_all_purpose(settings: Settings, context: Context) -> Iterator[Findin
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("materialBindingPurposes",),
 )
 def no_all_purpose_fallback(settings: Settings, context: Context) -> Iterator[Finding]:
     """`materialBindingPurposes` does not fall back on bindings for all purposes."""

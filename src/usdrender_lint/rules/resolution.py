@@ -29,6 +29,7 @@ _HUGE, _TINY = 16384, 16
     since="0.1",
     supersedes=("blocked-value",),
     by_itself=True,
+    about=("resolution",),
 )
 def invalid_resolution(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The resolution has no pixels."""
@@ -53,6 +54,7 @@ def invalid_resolution(prim: SettingsBase, context: Context) -> Iterator[Finding
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("resolution",),
 )
 def suspicious_resolution(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The resolution is very large, very small, or turned against the camera."""

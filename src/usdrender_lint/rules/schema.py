@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..model import RenderPrim, RenderScope, Site
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import a_or_an, nearest, one_of
 
 GROUP = "property"
@@ -13,7 +13,13 @@ GROUP = "property"
 _NEAR_NAMESPACE = 0.8
 
 
-@rule("unknown-property", on=RenderPrim, severity=Severity.NOTE, since="0.1")
+@rule(
+    "unknown-property",
+    on=RenderPrim,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.ODD_PROPERTY,),
+)
 def unknown_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A property without namespace is none of the schema's, nor of the renderer's."""
     for found in prim.properties:
@@ -56,7 +62,13 @@ def unknown_namespace(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             )
 
 
-@rule("removed-schema", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "removed-schema",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.OTHER_PRIM, Sign.RENDER_PASS),
+)
 def removed_schema(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Something is used that UsdRender no longer has."""
     for other in scope.others:
@@ -85,6 +97,7 @@ def removed_schema(scope: RenderScope, context: Context) -> Iterator[Finding]:
     since="0.1",
     supersedes=("collection-mode-portability",),
     by_itself=True,
+    about=(Sign.ODD_PROPERTY,),
 )
 def disallowed_token(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A token is none that the schema allows."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..likeness import likeness
 from ..model import RenderScope, ScopePrim, Site, State, Stray
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import a_or_an, nearest, paths
 
 GROUP = "scope"
@@ -62,6 +62,7 @@ def _top(scope: RenderScope) -> str:
         "shared-product",
         "unused-settings",
     ),
+    about=(Sign.STRAY,),
 )
 def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A render prim does not stand below `/Render`."""
@@ -90,6 +91,7 @@ def outside_render_scope(scope: RenderScope, context: Context) -> Iterator[Findi
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("outside-render-scope", "no-render-settings"),
+    about=(Sign.STRAY,),
 )
 def misnamed_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The prim that groups the render prims is not called `/Render`."""
@@ -123,6 +125,7 @@ def misnamed_render_scope(scope: RenderScope, context: Context) -> Iterator[Find
         "settings-without-products",
         "unresolved-target",
     ),
+    about=(Sign.ODD_SCOPE,),
 )
 def render_scope_not_live(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`/Render`, or a group in it, is inactive, only an `over`, or a `class`."""
@@ -157,7 +160,13 @@ def _mend(prim: ScopePrim) -> str:
     return f'write def Scope "{prim.path.rpartition("/")[2]}"'
 
 
-@rule("dangling-over", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "dangling-over",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=(Sign.ODD_SCOPE, Sign.OVER),
+)
 def dangling_over(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """An `over` in the render scope overrides nothing."""
     if scope.only_overrides:
@@ -186,7 +195,13 @@ def dangling_over(scope: RenderScope, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("render-scope-type", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "render-scope-type",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.ODD_SCOPE,),
+)
 def render_scope_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`/Render` is not a Scope."""
     for prim in scope.scopes:
@@ -205,7 +220,13 @@ def render_scope_type(scope: RenderScope, context: Context) -> Iterator[Finding]
         )
 
 
-@rule("scene-content-in-render-scope", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "scene-content-in-render-scope",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=(Sign.OTHER_PRIM,),
+)
 def scene_content_in_render_scope(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Geometry or lights stand among the render prims."""
     found = [o for o in scope.others if o.content and o.state is State.LIVE]

@@ -14,7 +14,7 @@ from ..model import (
     Site,
     ValueState,
 )
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._chains import dead_ends
 from ._rendered import named_settings, outputs_of
 from ._words import paths, spelt
@@ -38,6 +38,7 @@ _OVERRIDES = (
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("animated-uniform",),
+    about=(Sign.VARYING,),
 )
 def sampled_override(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's sampled value puts the schema's fallback over the settings' value."""

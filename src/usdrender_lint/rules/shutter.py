@@ -17,7 +17,13 @@ from ._rendered import views_of
 GROUP = "settings"
 
 
-@rule("deprecated-instantaneous-shutter", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "deprecated-instantaneous-shutter",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("instantaneousShutter",),
+)
 def deprecated_instantaneous_shutter(settings: Settings, context: Context) -> Iterator[Finding]:
     """Motion blur is switched off where most renderers no longer look."""
     flags: dict[Site, Attr[bool]] = {}
@@ -41,6 +47,7 @@ def deprecated_instantaneous_shutter(settings: Settings, context: Context) -> It
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("deprecated-instantaneous-shutter",),
+    about=("instantaneousShutter",),
 )
 def conflicting_shutter_flags(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """One flag switches motion blur off and the other leaves it on."""

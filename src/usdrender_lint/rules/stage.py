@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ..lazily import lazily
 from ..model import ArcError, Layer, MetadataOpinion, RenderScope, Settings, Site, State, Target
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._chains import why_not_live
 from ._words import a_or_an, did_you_mean, joined, paths
 
@@ -55,6 +55,7 @@ def default_settings_unset(scope: RenderScope, context: Context) -> Iterator[Fin
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("no-render-settings",),
+    about=(Sign.ODD_DEFAULT,),
 )
 def default_settings_unresolved(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to no prim."""
@@ -94,7 +95,13 @@ def _first_candidate(target: Target) -> tuple[tuple[Site, str], ...]:
     return tuple((c.site, f"is {a_or_an(c.type_name)}") for c in target.candidates[:1])
 
 
-@rule("default-settings-bad-path", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "default-settings-bad-path",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.ODD_DEFAULT,),
+)
 def default_settings_bad_path(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path is not an absolute prim path."""
     default = scope.default
@@ -123,6 +130,7 @@ def default_settings_bad_path(scope: RenderScope, context: Context) -> Iterator[
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("no-render-settings",),
+    about=(Sign.ODD_DEFAULT,),
 )
 def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to a prim that is not a RenderSettings."""
@@ -155,6 +163,7 @@ def default_settings_wrong_type(scope: RenderScope, context: Context) -> Iterato
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("dangling-over", "dead-target"),
+    about=(Sign.ODD_DEFAULT,),
 )
 def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings are inactive, only an `over`, or abstract."""
@@ -190,6 +199,7 @@ def default_settings_not_live(scope: RenderScope, context: Context) -> Iterator[
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("default-settings-unset",),
+    about=(Sign.ODD_DEFAULT,),
 )
 def default_settings_in_sublayer(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A sublayer sets the default settings, where USD does not look."""
@@ -236,6 +246,7 @@ def _only_in_sublayers(opinions: list[MetadataOpinion], scope: RenderScope) -> I
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("default-settings-unset",),
+    about=(Sign.ODD_DEFAULT,),
 )
 def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A metadata key looks like `renderSettingsPrimPath` and is not."""
@@ -309,7 +320,13 @@ def syntax_error(layer: Layer, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("composition-error", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule(
+    "composition-error",
+    on=RenderScope,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.ARC_ERROR,),
+)
 def composition_error(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A sublayer, reference or payload of the render spec cannot be composed."""
     hidden = _hidden(scope)

@@ -5,20 +5,21 @@ from __future__ import annotations
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
-from ..model import Pass, Property, Rel, RenderPrim, RenderScope, Site, State, Target
-from ..rule import Context, Finding, Renderer, Severity, rule
+from ..model import EXPECTED, Pass, Property, Rel, RenderPrim, RenderScope, Site, State, Target
+from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._chains import start_of, why_not_live
 from ._words import a_or_an, did_you_mean
 
 GROUP = "property"
 
-_WANTED = {
-    "camera": ("camera", "Camera", "cameras"),
-    "products": ("product", "RenderProduct", "RenderProducts"),
-    "orderedVars": ("var", "RenderVar", "RenderVars"),
-    "renderSource": ("render source", "RenderSettings", "RenderSettings"),
-    "inputPasses": ("input pass", "RenderPass", "RenderPasses"),
+_WORDS = {
+    "camera": ("camera", "cameras"),
+    "products": ("product", "RenderProducts"),
+    "orderedVars": ("var", "RenderVars"),
+    "renderSource": ("render source", "RenderSettings"),
+    "inputPasses": ("input pass", "RenderPasses"),
 }
+_WANTED = {name: (one, EXPECTED[name], several) for name, (one, several) in _WORDS.items()}
 _ONLY_FIRST = ("camera", "renderSource")
 _DEAD = {
     State.INACTIVE: "is inactive",
@@ -63,6 +64,7 @@ def _is_relative(target: Target) -> bool:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("unresolved-target", "missing-camera"),
+    about=(Sign.ODD_TARGET,),
 )
 def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A target is written without a leading `/` and leads nowhere."""
@@ -81,7 +83,13 @@ def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("unresolved-target", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+@rule(
+    "unresolved-target",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.ODD_TARGET,),
+)
 def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A camera, product, var, render source or input pass does not exist."""
     for rel, target in _judged(prim):
@@ -119,7 +127,13 @@ def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         )
 
 
-@rule("wrong-target-type", on=RenderPrim, severity=Severity.ERROR, since="0.1")
+@rule(
+    "wrong-target-type",
+    on=RenderPrim,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=(Sign.ODD_TARGET,),
+)
 def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A target exists and is of the wrong type."""
     for rel, target in _judged(prim):
@@ -159,6 +173,7 @@ def _is_wrong(target: Target, kind: str, context: Context) -> bool:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("dangling-over",),
+    about=(Sign.ODD_TARGET,),
 )
 def dead_target(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A target is inactive, only an `over`, or abstract."""
@@ -205,6 +220,7 @@ def _is_one_of_several(found: tuple[Rel, Target]) -> bool:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("unresolved-target", "missing-camera", "product-without-vars"),
+    about=(Sign.ODD_TARGET,),
 )
 def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A target leads out of the layer that is referenced, and USD drops it."""
@@ -239,6 +255,7 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
         "unresolved-target",
     ),
     by_itself=True,
+    about=(Sign.ODD_PROPERTY,),
 )
 def kind_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A relationship is authored as an attribute, or an attribute as a relationship."""
@@ -270,6 +287,7 @@ def _right_form(found: Property) -> str:
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=(Sign.ODD_TARGET,),
 )
 def forwarded_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A target leads to its prim by way of another relationship, which some renderers do not follow."""

@@ -60,7 +60,14 @@ def _without_source(var: Var) -> Finding:
     )
 
 
-@rule("unknown-source-type", on=Var, severity=Severity.ERROR, since="0.1", by_itself=True)
+@rule(
+    "unknown-source-type",
+    on=Var,
+    severity=Severity.ERROR,
+    since="0.1",
+    by_itself=True,
+    about=("sourceType",),
+)
 def unknown_source_type(var: Var, context: Context) -> Iterator[Finding]:
     """`sourceType` is none of the schema's."""
     kind = var.source_type
@@ -76,7 +83,13 @@ def unknown_source_type(var: Var, context: Context) -> Iterator[Finding]:
     )
 
 
-@rule("intrinsic-source-type", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "intrinsic-source-type",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("sourceType",),
+)
 def intrinsic_source_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`sourceType` is one that the schema names and nobody implements."""
     found = (
