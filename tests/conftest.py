@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
+from importlib import metadata
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,23 @@ from usdrender_lint.rule import AnyRule, Context
 from usdrender_lint.run import Crash, Subject, Told, run
 
 ROOT = Path(__file__).parents[1]
+
+
+def installed() -> tuple[int, ...]:
+    """The version of usd-core."""
+    return tuple(map(int, metadata.version("usd-core").split(".")))
+
+
+def since(*version: int) -> pytest.MarkDecorator:
+    """For what holds of this version of usd-core and newer ones."""
+    reason = f"usd-core {'.'.join(map(str, version))} is the first of which it holds"
+    return pytest.mark.skipif(installed() < version, reason=reason)
+
+
+def before(*version: int) -> pytest.MarkDecorator:
+    """For what holds of versions of usd-core that are older than this one."""
+    reason = f"it holds before usd-core {'.'.join(map(str, version))}"
+    return pytest.mark.skipif(installed() >= version, reason=reason)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

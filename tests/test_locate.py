@@ -469,10 +469,10 @@ class TestSyntax:
         assert finding.message == "the value has not as many components as its type, int2"
 
     def test_an_expression_in_metadata(self, shot: Shot) -> None:
-        data = 'customData = {\n        pathExpression e = "/a["\n    }'
+        data = 'customData = {\n        pathExpression e = "/a $"\n    }'
         shot.write(main=f'def "A" (\n    {data}\n)\n{{\n}}\n')
         (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
-        assert told(finding.location) == ("main.usda", 'pathExpression e = {"}')
+        assert told(finding.location) == ("main.usda", 'pathExpression e = "/a {$}')
 
     def test_an_expression_is_where_it_breaks_off(self, shot: Shot) -> None:
         shot.write(main='def "A"\n{\n    pathExpression e = "//{"\n}\n')

@@ -11,7 +11,7 @@ from usdrender_lint.lint import lint
 from usdrender_lint.results import Location, Report
 
 GOOD = '#usda 1.0\ndef Scope "Render"\n{\n}\n'
-ILL_FORMED = '#usda 1.0\ndef "A"\n{\n    pathExpression x = "/a["\n}\n'
+ILL_FORMED = '#usda 1.0\ndef "A"\n{\n    pathExpression x = "//{"\n}\n'
 
 
 def linted(file: Path) -> Report:
@@ -86,8 +86,8 @@ def package(
             5,
         ),
         (
-            '#usda 1.0\ndef "A" (\n    customData = {\n        pathExpression e = "/a["\n    }\n)\n{\n}\n',
-            "ill-formed path expression '/a[', at character 4: something is left open",
+            '#usda 1.0\ndef "A" (\n    customData = {\n        pathExpression e = "//{"\n    }\n)\n{\n}\n',
+            "ill-formed path expression '//{', at its end: something is left open",
             4,
         ),
         (
@@ -124,7 +124,7 @@ def test_text_in_utf_16_is_told_as_such(tmp_path: Path, encoding: str) -> None:
         (b'#usda 1.0\ndef "A"\n{\n  what\n}\n', "expected }, found 'what'", 4),
         (b"#usda 1.0\n# caf\xe9\n", "the text is not UTF-8 from here on", 2),
         (b"# a comment\n", "the first line is not '#usda 1.0'", 1),
-        (ILL_FORMED.encode(), "ill-formed path expression '/a[', at its end: something is left open", 4),
+        (ILL_FORMED.encode(), "ill-formed path expression '//{', at its end: something is left open", 4),
     ],
 )  # fmt: skip
 def test_the_root_layer_of_a_package(tmp_path: Path, data: bytes, message: str, line: int) -> None:
@@ -137,7 +137,7 @@ def test_the_root_layer_of_a_package(tmp_path: Path, data: bytes, message: str, 
 def test_an_ill_formed_expression_in_a_member_that_is_sublayered(tmp_path: Path) -> None:
     main = b"#usda 1.0\n(\n    subLayers = [@./other.usda@]\n)\n"
     said, at = told(package(tmp_path, ("main.usda", main), ("other.usda", ILL_FORMED.encode())))
-    assert "ill-formed path expression '/a['" in said
+    assert "ill-formed path expression '//{'" in said
     assert (at.member, at.span and at.span.line) == ("other.usda", 4)
 
 

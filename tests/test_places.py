@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from pxr import Sdf
 
+from conftest import before
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.registry import select
 from usdrender_lint.results import Located, Location, Report
@@ -528,6 +529,7 @@ class TestExpressions:
         [
             ('"/World/ball $x"', '"/World/ball {$x}"'),
             ('"/World/ball\\t-"', '"/World/ball\\t-{"}'),
+            pytest.param('"/World/[gc]"', '"/World/{[gc]}"', marks=before(26, 11)),
             ('"""/World/ball\n        /World/cam"""', '{/World/cam}"""'),
             ('"""\n        /World/ball"""', '{collection:prune:membershipExpression} = """'),
         ],

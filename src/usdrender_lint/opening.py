@@ -247,7 +247,8 @@ _STRANGE = {
     "\ufeff": "a byte order mark",
 }
 """What editors and chats put into text, and nobody sees."""
-_EXPRESSION = lazily(r"Ill-formed path expression <(.*)> at character (\d+):\s*(.*)", re.S)
+_EXPRESSION = lazily(r"Ill-formed path expression|<input>:1:\d+: parse error")
+"""Before 26.11 USD tells of a line, but it is that of the expression alone."""
 
 
 def _refused(file: str, error: Tf.ErrorException) -> Unreadable | ParseProblem:
@@ -282,11 +283,9 @@ def _nothing(file: str, inside: str) -> Unreadable:
 
 def _wrong_text(file: str, data: bytes, said: list[str]) -> ParseProblem:
     for text in said:
-        if match := _EXPRESSION.search(text):
-            # One in metadata: those of attributes are found in the text, each at its place.
-            said_of_it = match[3] or "something is left open"
-            told = f"ill-formed path expression '{match[1]}', at character {match[2]}: {said_of_it}"
-            return ParseProblem(file, told, *_place_of(data, match[1]))
+        if _EXPRESSION.search(text):  # mostly it is found in the text, and told with its place
+            told = "a path expression in it is ill-formed, and USD does not say which"
+            return ParseProblem(file, told, 1, 1)
         if match := _OF_PROPERTY.fullmatch(text.strip()):
             return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
     if not data.startswith(b"#usda"):
@@ -298,7 +297,8 @@ def _wrong_text(file: str, data: bytes, said: list[str]) -> ParseProblem:
 def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
     """What a parser says of a place in the file. It may quote another one, which counted the lines of
     a single value."""
-    places = list(filter(None, map(_AT.search, said)))
+    of_text = (text for text in said if not _EXPRESSION.search(text))
+    places = list(filter(None, map(_AT.search, of_text)))
     name = file.rpartition("/")[2]
     named = (m for m in places if m.string[: m.start()].endswith(name))
     match = next(named, None) or next(iter(places), None)
@@ -333,15 +333,6 @@ def _sentence(expected: str, near: str) -> str:
     told = f"{expected}, {found} '{word[:40]}'" if word else expected
     strange = next((what for c, what in _STRANGE.items() if c in _QUOTED.sub("", near)), "")
     return f"{told}: the line holds {strange}" if strange else told
-
-
-def _place_of(data: bytes, expression: str) -> tuple[int, int]:
-    """Line and column of text that stands in quotes once; zeros if it does not."""
-    quoted = f'"{expression}"'.encode()
-    if data.count(quoted) != 1:
-        return 0, 0
-    start = data.find(quoted)
-    return data.count(b"\n", 0, start) + 1, start - data.rfind(b"\n", 0, start)
 
 
 def _not_utf8(file: str, data: bytes) -> ParseProblem | None:

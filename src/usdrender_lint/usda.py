@@ -185,15 +185,23 @@ class UsdaText:
 
     def expressions(self) -> Iterator[Expression]:
         """Every value of every attribute declared `pathExpression`, block by block."""
+        return (one for one in self.all_expressions() if "." in one.path)
+
+    def all_expressions(self) -> Iterator[Expression]:
+        """And those in dictionaries of metadata, of which the prim is told."""
+        yield from self._expressions_in("/", self._scan.root.metadata)
         waiting = [("", self._scan.root)]
         while waiting:
             path, block = waiting.pop()
+            if path:
+                yield from self._expressions_in(path, block.metadata)
             if self._data.find(b"pathExpression", block.start, block.end) < 0:
                 continue
             contents = self._scan.contents(block)
             for name in contents.properties:
                 for statement in self._scan.property(block, name):
                     yield from self._expressions_of(f"{path}.{_decoded(name)}", statement)
+                    yield from self._expressions_in(path, statement.metadata)
             children = [
                 (f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child)
                 for name in contents.prims
@@ -212,6 +220,16 @@ class UsdaText:
                 if span := self._span(string) or self._span(statement.name):
                     yield Expression(path, self._string(string), span, string)
 
+    def _expressions_in(self, path: str, metadata: Range | None) -> Iterator[Expression]:
+        if metadata is None or self._data.find(b"pathExpression", *metadata) < 0:
+            return
+        waiting = [one.value for one in self._scan.metadata(metadata) if one.value]
+        while waiting:
+            for entry in self._scan.dictionary(waiting.pop(0)):
+                yield from self._expressions_of(path, entry)
+                if entry.value:
+                    waiting.append(entry.value)
+
     def _strings(self, value: Range, depth: int = 2) -> Iterator[Range]:
         """The strings of a value: itself, in a list, in time samples, in lists in time samples."""
         for start, end in self._scan.items(value):
@@ -229,7 +247,7 @@ class UsdaText:
     def in_expression(self, path: str, text: str, start: int) -> Span | None:
         """What an expression says from one of its characters on, as far as the line goes; the mark
         that ends it for the character behind its last."""
-        for expression in self.expressions():
+        for expression in self.all_expressions():
             if (expression.path, expression.text) == (path, text):
                 first, last = self._within(expression.string, start, len(text))
                 line_end = LINE_BREAK.search(self._data, first, last)
