@@ -14,6 +14,7 @@ import signal
 import stat
 import subprocess
 import sys
+import tomllib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from html import unescape
@@ -22,7 +23,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from usdrender_lint import __version__, cli, wanted
+from usdrender_lint import __version__, cli, lint_file, wanted
 from usdrender_lint.__main__ import main
 from usdrender_lint.cli import command
 from usdrender_lint.formats import FORMATS
@@ -151,6 +152,46 @@ def python(code: str, *args: str) -> Run:
 
 
 # Exit codes
+
+
+@pytest.mark.parametrize("jobs", ["0", "2"])
+@pytest.mark.parametrize(
+    ("package", "told"),
+    [
+        (
+            "raise ModuleNotFoundError(\"No module named 'pxr'\", name='pxr')",
+            "is not installed: pip install usd-core",
+        ),
+        ("raise ImportError('libtbb.so: not found', name='pxr.Tf')", "cannot be loaded: libtbb.so: not found"),
+    ],
+)  # fmt: skip
+def test_without_a_usd_that_will_do(tmp_path: Path, jobs: str, package: str, told: str) -> None:
+    (tmp_path / "pxr").mkdir()
+    (tmp_path / "pxr" / "__init__.py").write_text(package)
+    (tmp_path / "a.usda").write_text(CLEAN)
+    where = {"PYTHONPATH": os.pathsep.join([str(tmp_path), HERE])}
+    run = end(start("-j", jobs, str(tmp_path / "a.usda"), environment=where))
+    assert (run.code, run.out, run.err) == (2, "", f"Error: usd-core {told}\n")
+
+
+def test_with_a_usd_that_is_too_old(tmp_path: Path) -> None:
+    (tmp_path / "a.usda").write_text(CLEAN)
+    code = """
+import sys
+from pxr import Usd
+from usdrender_lint.__main__ import main
+Usd.GetVersion = lambda: (0, 25, 5)
+sys.exit(main(sys.argv[1:]))
+"""
+    run = python(code, str(tmp_path / "a.usda"))
+    said = "Error: usd-core cannot be loaded: it is 25.05, and 25.11 is the oldest that will do\n"
+    assert (run.code, run.out, run.err) == (2, "", said)
+
+
+def test_the_oldest_usd_is_that_of_the_package() -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    wanted = next(one for one in project["dependencies"] if one.startswith("usd-core"))
+    assert wanted.startswith("usd-core>={}.{},".format(*lint_file.OLDEST))
 
 
 @pytest.mark.parametrize("chosen", FORMATS)

@@ -87,10 +87,18 @@ def run(argv: Sequence[str]) -> int:
     except (OutputError, OSError) as error:
         forget(sys.stdout)
         return _failed(f"Error: {_reason(error)}\n")
-    except Exception:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
+    except Exception as error:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
+        if isinstance(error, ImportError) and (error.name or "").partition(".")[0] == "pxr":
+            return _failed(f"Error: {_without_usd(error)}\n")
         from traceback import format_exc
 
         return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
+
+
+def _without_usd(error: ImportError) -> str:
+    if isinstance(error, ModuleNotFoundError):
+        return "usd-core is not installed: pip install usd-core"
+    return f"usd-core cannot be loaded: {escaped(str(error))}"
 
 
 def _complete(instruction: str) -> int:

@@ -40,6 +40,12 @@ from .stage import Opened, open_stage
 from .suppress import is_about_suppressions
 from .variants import Outcome, merge_outcomes
 
+OLDEST = (25, 11)
+"""Of usd-core: older ones lack what is asked of them here."""
+if Usd.GetVersion()[1:] < OLDEST:
+    oldest, installed = ("{}.{:02}".format(*v) for v in (OLDEST, Usd.GetVersion()[1:]))
+    raise ImportError(f"it is {installed}, and {oldest} is the oldest that will do", name="pxr")
+
 _NO_VALUE = "a value in it cannot be read"
 
 MOST_VARIANTS = 64
