@@ -14,7 +14,7 @@ import pytest
 
 from shows import CLEAN, FAILED, Call, Run, Write, call, found, show, write
 from usdrender_lint.config.find import Configurations, absolute
-from usdrender_lint.discover import Shard, Shown, discover
+from usdrender_lint.discover import RealPaths, Shard, Shown, discover
 
 __all__ = ["call", "show", "write"]  # fixtures
 
@@ -114,6 +114,50 @@ def test_a_folder_is_looked_into_once_and_its_files_not_at_all(
     assert [path for path in stat if path.endswith(".usda")] == []
     # What is asked about folders: what holds in the first one, and where each really is.
     assert len(stat) <= 40
+
+
+ODD = [
+    "a/x.usda",
+    "a/gone.usda",
+    "gone/x.usda",
+    "a",
+    ".",
+    "",
+    "a/..",
+    "a/.",
+    "a//x.usda",
+    "b/../a/x.usda",
+]
+"""Names of files and folders, as they are written on a command line."""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="links need rights there")
+def test_links_are_resolved_as_the_system_resolves_them(show: Path, write: Write) -> None:
+    write("a/x.usda")
+    write("b/y.usda")
+    (show / "b/link.usda").symlink_to(show / "a/x.usda")
+    (show / "latest").symlink_to("a")
+    (show / "b/loop").symlink_to("loop")
+    real = RealPaths()
+    links = [
+        "b/link.usda",
+        "latest/x.usda",
+        "latest",
+        "latest/../a/x.usda",
+        "b/loop",
+        "b/loop/x.usda",
+    ]
+    for name in (*ODD, *links):
+        for path in (f"{show}/{name}", name):
+            assert real[path] == os.path.realpath(path)
+
+
+def test_paths_are_shown_from_the_root(show: Path) -> None:
+    shown = Shown(show)
+    for name in (*ODD, "../beside.usda", f"../{show.name}2/x.usda"):
+        path = f"{show}/{name}"
+        expected = os.path.relpath(path, show).replace(os.sep, "/")
+        assert shown(path) == shown(Path(path)) == expected
 
 
 # Excluding

@@ -890,6 +890,44 @@ class TestCrate:
         (tmp_path / "old.usdc").write_bytes(data)
         assert mentions(str(tmp_path / "old.usdc"), [b"RenderVar"]) is None
 
+    def test_a_crate_that_was_written_again_is_read_again(self, tmp_path: Path) -> None:
+        file = self.crate(tmp_path, 'def RenderVar "v" {\n}\n')
+        assert mentions(file, [b"RenderVar"]) is True
+        Path(file).write_bytes(Path(self.crate(tmp_path / "new", "")).read_bytes())
+        assert mentions(file, [b"RenderVar"]) is False
+
+
+class TestTexts:
+    @pytest.mark.parametrize("filling", [0, 1 << 18], ids=["small", "large"])
+    def test_a_word_is_found_wherever_it_stands(self, tmp_path: Path, filling: int) -> None:
+        file = tmp_path / "a.usda"
+        file.write_bytes(b"#usda 1.0\n" + b"#" * filling + b"\n# the last word")
+        texts = Texts()
+        assert texts.mention(str(file), b"word")
+        assert texts.mention(str(file), b"usda")
+        assert not texts.mention(str(file), b"none")
+        assert texts.of_file(str(file)) is not None
+        assert texts.mention(str(file), b"last")
+        assert not texts.mention(str(file), b"none")
+
+    def test_what_is_no_text_holds_no_word(self, tmp_path: Path) -> None:
+        file = tmp_path / "a.usd"
+        for filling in (0, 1 << 18):
+            file.write_bytes(b"PXR-USDC" + b"#" * filling + b"word")
+            texts = Texts()
+            assert not texts.mention(str(file), b"word")
+            assert texts.of_file(str(file)) is None
+        assert not Texts().mention(str(tmp_path / "gone.usda"), b"word")
+        assert not Texts().mention(str(tmp_path), b"word")
+
+    def test_only_so_many_texts_are_kept_for_a_word(self, tmp_path: Path) -> None:
+        texts = Texts()
+        for number in range(100):
+            file = tmp_path / f"{number}.usda"
+            file.write_bytes(b"#usda 1.0\n" + b"#" * 60_000)
+            assert not texts.mention(str(file), b"word")
+        assert sum(text is not None for text in texts._known.values()) < 100
+
 
 class TestEvidence:
     @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ class Doing:
 
     def prepare(self) -> None:
         if self.prepared:
-            self(Target(Path(self.prepared), self.prepared))
+            self(Target(self.prepared, self.prepared))
 
     def __call__(self, file: Target) -> FileResult:
         name = file.shown
@@ -93,7 +93,7 @@ class Telling(Doing):
 
 
 def named(*names: str) -> list[Target]:
-    return [Target(Path(name), name) for name in names]
+    return [Target(name, name) for name in names]
 
 
 def told(results: list[FileResult | None]) -> list[str]:
@@ -190,7 +190,7 @@ def test_a_file_that_killed_a_worker_is_never_tried_here() -> None:
 
 def test_what_no_worker_took_is_linted_here(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(workers, "_way", lambda: None)
-    files = [Target(CLEAN, "film_shot.usda")]
+    files = [Target(str(CLEAN), "film_shot.usda")]
     asked = [(file, Config()) for file in files]
     assert Isolated()(asked, Shown()) == Isolated(0)(asked, Shown())
 
@@ -252,7 +252,7 @@ def test_a_pause_of_all_is_nobodys_delay() -> None:
 def test_results_cross_unchanged() -> None:
     folder = ROOT / "fixtures" / "bad"
     config = Config(select(["ALL"]), variants=True)
-    files = [Target(f, f.name) for f in sorted(folder.glob("*.usda"))]
+    files = [Target(str(f), f.name) for f in sorted(folder.glob("*.usda"))]
     results = workers.lint_here([(file, config) for file in files], Shown())
     assert sum(len(r.findings) for r in results) > 100
     assert unpacked(packed(results)) == results

@@ -24,7 +24,7 @@ _BARE = lazily(r"[A-Za-z0-9_-]+")
 def show_files(sought: Sought, configurations: Configurations, chosen: str) -> int:
     """One a line as seen from the current folder, so that other programs find them; or as JSON."""
     found, _ = seek(sought, configurations)
-    files = [_from_here(file.file) for file in found.files]
+    files = [_from_here(Path(file.file)) for file in found.files]
     if chosen == "json":
         write_out(json.dumps({"version": 1, "files": files}, indent=2, ensure_ascii=False) + "\n")
     else:

@@ -85,7 +85,7 @@ def planned(
         if not reach.sure:
             about = layers
         if about and root not in asked:
-            added.append(Target(file, shown(file), tuple(sorted(about))))
+            added.append(Target(str(file), shown(file), tuple(sorted(about))))
     notes = [f"no file matches the root '{shown(pattern)}'" for pattern in idle]
     if unread := [shown(file) for file in sorted(uses.unreadable & roots.keys()) if layers]:
         notes.append(f"{_some(unread)} cannot be read: whether it uses these layers is not known")
@@ -107,7 +107,7 @@ def _matching(patterns: Sequence[str], cwd: Path, uses: Uses) -> tuple[dict[str,
     for pattern in patterns:
         absolute = str(cwd / pattern)
         # pathlib's own goes into hidden folders, too.
-        named = map(Path, glob.glob(absolute, recursive=True))  # noqa: PTH207 see above
+        named = map(Path, glob.glob(absolute, recursive=True))
         files = [file for file in named if file.suffix.lower() in USD_SUFFIXES and file.is_file()]
         if not files:
             idle.append(absolute)
@@ -122,12 +122,12 @@ def stages_of(files: Sequence[Target]) -> dict[str, str]:
     from .uses import Uses  # most runs do without
 
     uses, real = Uses((), ()), RealPaths()
-    by_real = {real[str(target.file)]: target for target in files}
+    by_real = {real[target.file]: target for target in files}
     layers = uses.between({file: target.file for file, target in by_real.items()})
     found: dict[str, str] = {}
     for target in files:
-        if real[str(target.file)] not in layers:
-            for layer in uses.of(str(target.file)).stack & layers:
+        if real[target.file] not in layers:
+            for layer in uses.of(target.file).stack & layers:
                 found.setdefault(by_real[layer].shown, target.shown)
     return found
 
@@ -147,7 +147,7 @@ def seen_through(
     if not any(len(one.stack) > 1 or one.brought for one in outlines):
         return [() for _ in targets]
     real = RealPaths()
-    files = [real[str(target.file)] for target in targets]
+    files = [real[target.file] for target in targets]
     stacks = [frozenset(map(real.__getitem__, one.stack)) for one in outlines]
     brought = [{(real[file], path) for file, path in one.brought} for one in outlines]
     holders: dict[str, set[int]] = {}
@@ -176,14 +176,16 @@ def seen_through(
 
 def not_used(plan: Plan, layers: Sequence[Iterable[str]], shown: Shown) -> Iterator[str]:
     """What there is to say of given layers that no root uses. `layers`: all of each target, as shown."""
+    if not plan.roots:
+        return
     real = RealPaths()
-    left = {real[str(t.file)] for t in plan.given} - plan.roots - plan.mentioned
-    if not plan.roots or not left:
+    left = {real[t.file] for t in plan.given} - plan.roots - plan.mentioned
+    if not left:
         return
     for target, files in zip(plan.targets, layers, strict=True):
-        if real[str(target.file)] in plan.roots:
+        if real[target.file] in plan.roots:
             left.difference_update(real[str(shown.root / file)] for file in files)
-    alone = [t.shown for t in plan.given if real[str(t.file)] in left]
+    alone = [t.shown for t in plan.given if real[t.file] in left]
     if alone:
         as_stage = "is linted as a stage of its own" if len(alone) == 1 else "are linted as stages"
         yield f"no root uses {_some(alone)}, which {as_stage}"
@@ -195,30 +197,31 @@ def siblings(targets: Sequence[Target], scopes: Sequence[str], shown: Shown) -> 
         return []
     from .uses import Uses  # most runs do without
 
-    uses = Uses((), scopes)
-    listed: dict[Path, list[str]] = {}
+    uses, real = Uses((), scopes), RealPaths()
+    listed: dict[str, list[str]] = {}
     found = []
     for target in targets:
-        file = os.path.realpath(target.file)
-        near = []
-        for folder in Path(file).parents[:2]:
-            if folder not in listed:
-                listed[folder] = [*islice(_usd_files(folder), MOST_SIBLINGS)]
-            near.extend(listed[folder])
+        file = real[target.file]
+        folder = os.path.dirname(file)
+        near: list[str] = []
+        for one in dict.fromkeys((folder, os.path.dirname(folder))):
+            if one not in listed:
+                listed[one] = [real[f] for f in islice(_usd_files(one), MOST_SIBLINGS)]
+            near.extend(listed[one])
         users = [one for one in near if one != file and file in uses.of(one).stack]
-        inner = uses.between({one: Path(one) for one in users})
-        found.append([Target(Path(one), shown(one)) for one in users if one not in inner])
+        inner = uses.between({one: one for one in users})
+        found.append([Target(one, shown(one)) for one in users if one not in inner])
     return found
 
 
-def _usd_files(folder: Path) -> Iterator[str]:
+def _usd_files(folder: str) -> Iterator[str]:
     try:
-        files = sorted(folder.iterdir())
+        names = sorted(os.listdir(folder))
     except OSError:
         return
-    for file in files:
-        if file.suffix.lower() in USD_SUFFIXES and not file.name.startswith("."):
-            yield os.path.realpath(file)
+    for name in names:
+        if name.lower().endswith(USD_SUFFIXES) and not name.startswith("."):
+            yield os.path.join(folder, name)
 
 
 def advised(

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import os
 import struct
 from collections.abc import Iterable
-from pathlib import Path
+from functools import lru_cache
 from typing import BinaryIO
 
 from .handed import bytes_at
 
 _SECTION = struct.Struct("<16sqq")
 _MAX_TOKENS = 1 << 28
+_LITTLE = 1 << 20
+"""Bytes of a crate whose tokens are worth keeping."""
 
 
 def mentions(file: str, words: Iterable[bytes], *, whole: bool = True) -> bool | None:
@@ -30,12 +33,23 @@ def tokens_of(file: str, most: int = _MAX_TOKENS) -> bytes | None:
     Layout of `pxr/usd/sdf/crateFile.cpp` since version 0.4.0: the bootstrap's table of contents
     names the TOKENS section, which is zero-terminated strings under LZ4.
     """
+    file = bytes_at(file)
     try:
-        with Path(bytes_at(file)).open("rb") as stream:
-            tokens = _tokens(stream.read(88), stream, most)
+        at = os.stat(file)
+        version = at.st_ino, at.st_mtime_ns, at.st_size
+        tokens = (_tokens_of_little if at.st_size < _LITTLE else _tokens_in)(file, most, version)
     except (OSError, struct.error, IndexError, ValueError):
         return None
     return None if tokens is None else b"\0" + tokens
+
+
+def _tokens_in(file: str, most: int, _version: tuple[int, ...]) -> bytes | None:
+    with open(file, "rb") as stream:
+        return _tokens(stream.read(88), stream, most)
+
+
+_tokens_of_little = lru_cache(maxsize=8)(_tokens_in)
+"""Several questions are asked of one crate, one soon after the other."""
 
 
 def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:

@@ -23,7 +23,7 @@ STDIN = "<stdin>"
 class Target:
     """A root layer to lint."""
 
-    file: Path
+    file: str
     """Absolute, symbolic links of folders kept as given."""
     shown: str
     about: tuple[str, ...] = ()
@@ -45,9 +45,10 @@ class Shown:
         self._named: dict[str, str] = {}
 
     def __call__(self, path: str | Path) -> str:
-        if path not in self._known:
-            self._known[path] = self._spelt(path)
-        return self._known[path]
+        known = self._known.get(path)
+        if known is None:
+            known = self._known[path] = self._spelt(path)
+        return known
 
     def call(self, path: str, name: str) -> None:
         """Write a path as this name."""
@@ -62,6 +63,9 @@ class Shown:
         return self(path)
 
     def _spelt(self, path: str | Path) -> str:
+        plain = os.path.normpath(path)
+        if plain.startswith(self._above):
+            return plain[len(self._above) :].replace(os.sep, "/")
         try:
             return os.path.relpath(path, self.root).replace(os.sep, "/")
         except ValueError:  # another drive on Windows
@@ -69,10 +73,16 @@ class Shown:
 
 
 class RealPaths(dict[str, str]):
-    """Links resolved; each path once."""
+    """Links resolved; each path once, and so each folder above many of them."""
 
     def __missing__(self, file: str) -> str:
-        self[file] = os.path.realpath(file)
+        folder, name = os.path.split(file)
+        # Windows tells a path as the disk spells it.
+        is_plain = os.sep == "/" and folder.startswith("/") and name not in ("", ".", "..")
+        if is_plain and not os.path.islink(file):
+            self[file] = os.path.join(self[folder], name)
+        else:
+            self[file] = os.path.realpath(file)
         return self[file]
 
 
@@ -142,7 +152,7 @@ def discover(
             continue
         files = search.below(path) if is_folder else search.named(path)
         for file in files:
-            real, target = search.real(file), Target(Path(file), shown.below(file))
+            real, target = search.real(file), Target(file, shown.below(file))
             known = targets.get(real)
             # Of several names of one file that of the file itself, and not of a link to it; what is
             # handed over stands for all of them.
@@ -265,7 +275,7 @@ class _Search:
             yield Problem("no-usd-files", shown(folder), said)
 
     def rank(self, target: Target) -> tuple[bool, bool, str]:
-        file = str(target.file)
+        file = target.file
         return bytes_at(file) == file, file in self._links, target.shown
 
     def real(self, file: str) -> str:

@@ -28,7 +28,7 @@ from .records import dataclass
 from .registry import Selection, select
 from .renderers import ANY, Own, renderer
 from .results import Located, Problem, RendererChoice, Report, Verdict
-from .rule import Context, Severity
+from .rule import AnyRule, Context, Renderer, Severity
 from .run import Crash
 from .suppress import Ignore, Key, findings_of
 
@@ -36,6 +36,17 @@ SCOPES = ("/Render",)
 """Where the schema has render prims, and renderers look for them."""
 NAMED = 3
 """Prims that a message lists beside its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """What becomes of the rules that are asked for on the stages that one renderer judges."""
+
+    judge: Renderer
+    rules: tuple[AnyRule, ...]
+    """Those that run."""
+    silent: frozenset[str]
+    """Those of which nothing is told, whatever there is to find."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +70,19 @@ class Config:
     """Rules not to report of the layers whose files a pattern matches."""
     fail_on: str = "warning"
     """The least severity that fails a run; `never` for none."""
+    _judged: dict[int, Judged] = field(init=False, compare=False, default_factory=dict)
+
+    def judged_by(self, judge: Renderer) -> Judged:
+        if id(judge) not in self._judged:
+            self._judged[id(judge)] = self._by(judge)
+        return self._judged[id(judge)]
+
+    def _by(self, judge: Renderer) -> Judged:
+        told = self.selection.told
+        rules = tuple(r for r in self.selection.run if not r.renderers or judge.name in r.renderers)
+        off = {rule for rule, severity in judge.severities.items() if severity is None}
+        speaking = told.intersection(r.id for r in rules) - off.difference(self.severities)
+        return Judged(judge, rules, told - speaking)
 
     def leaves_out(self, rule: str, file: str) -> bool:
         """Whether a rule is not to be reported of a file's layers."""
@@ -79,8 +103,9 @@ class FileResult:
     """All suppressions that the root layer holds."""
     needed: frozenset[Key] = frozenset()
     """Suppressions, of whatever layer, that silence something here, or may in what was not seen."""
-    ran: frozenset[str] | None = None
-    """Rules that looked at everything; None if a part of the stage is missing."""
+    silent: frozenset[str] | None = None
+    """Of the rules that are asked for those that did not look at it, which are fewer than those that
+    did; None if a part of the stage is missing."""
     outline: Outline | None = None
     """None where there was no stage."""
 
@@ -200,7 +225,7 @@ def _advised(
     opened = list(stages.values())[:MOST_STAGES]
     linted = zip(opened, lint_files([(stage, config) for stage in opened], shown), strict=True)
     # Where a part of the stage is missing, nothing is known to be right.
-    found = {stage.shown: r.findings for stage, r in linted if r.ran is not None}
+    found = {stage.shown: r.findings for stage, r in linted if r.silent is not None}
     for (_, result), near in zip(alone, beside, strict=True):
         known = {one.shown: found[one.shown] for one in near if one.shown in found}
         yield replace(result, findings=advised(result.findings, known))
@@ -278,19 +303,25 @@ def _about_suppressions(
 
 
 def _ran(linted: Sequence[Asked], results: list[FileResult]) -> dict[str, frozenset[str]]:
-    ran: dict[str, set[str]] = {file.shown: set() for file, _ in linted if not file.about}
+    ran: dict[str, frozenset[str]] = {f.shown: frozenset() for f, _ in linted if not f.about}
     broken: set[str] = set()
-    for (file, _), result in zip(linted, results, strict=True):
-        for layer in {file.shown, *result.layers}.intersection(ran):
-            ran[layer].update(result.ran or ())
-            if result.ran is None:
-                broken.add(layer)
+    speaking: dict[tuple[int, frozenset[str]], frozenset[str]] = {}
+    for (file, config), result in zip(linted, results, strict=True):
+        about = {file.shown, *result.layers}.intersection(ran)
+        if result.silent is None:
+            broken |= about
+            continue
+        key = id(config), result.silent
+        if key not in speaking:
+            speaking[key] = config.selection.told - result.silent
+        for layer in about:
+            ran[layer] = ran[layer] | speaking[key] if ran[layer] else speaking[key]
     particular = {id(config): config for _, config in linted if config.per_file_ignores}
     for file, _ in linted:
         for config in particular.values() if not file.about else ():
             at = str(file.file)
             ran[file.shown] -= {r for r in ran[file.shown] if config.leaves_out(r, at)}
-    return {f: frozenset(rules) for f, rules in ran.items() if f not in broken}
+    return {f: rules for f, rules in ran.items() if f not in broken}
 
 
 def crashed_rule(root: str, crash: Crash) -> Problem:

@@ -37,7 +37,6 @@ from .rule import Context, Renderer, Severity
 from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import Opened, open_stage
-from .suppress import is_about_suppressions
 from .variants import Outcome, merge_outcomes
 
 OLDEST = (25, 11)
@@ -64,6 +63,8 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
             result = _failed(file, error)
         said.collect()
+    if not said.messages:
+        return result
     # USD composes in several threads: who speaks first is chance.
     return replace(result, chatter=(*result.chatter, *sorted(set(map(_named, said.messages)))))
 
@@ -116,22 +117,20 @@ class _Stage:
     findings: tuple[Located, ...]
     crashes: list[Crash]
     choice: RendererChoice
+    used: list[Sdf.Layer]
 
 
 class _File:
     def __init__(self, file: File, config: Config, shown: Shown) -> None:
-        self._path = str(file.file)
+        self._path = file.file
         self._about = file.about
-        self._root = shown(self._path)
+        self._root = file.shown
         self._config = config
         self._shown = shown
         self._texts = Texts()
         self._ignores = Ignores(self._texts, shown)
-        self._ran: set[str] = set()
-        selection = config.selection
-        self._judges_suppressions = any(
-            is_about_suppressions(r) and r.id in selection.told for r in selection.run
-        )
+        self._silent = config.selection.told
+        self._judges_suppressions = config.selection.judges_suppressions
         self._whole = True
         """Whether no part of the stage was missing in any of its openings."""
 
@@ -187,18 +186,15 @@ class _File:
         if self._config.variants:
             outcomes, more = self._lint_variants(composed, layer)
             findings, problems = merge_outcomes(findings, outcomes), [*problems, *more]
-        layers = composed.opened.stage.GetUsedLayers()
-        files = sorted(
-            {self._shown(split_package(one.realPath)[0]) for one in layers if one.realPath}
-        )
+        files = {split_package(file)[0] for file in _files_of(composed.used)}
         return FileResult(
             findings,
             tuple(problems),
             composed.choice,
-            tuple(files),
+            tuple(sorted(map(self._shown, files))),
             ignores=self._ignores.own,
             needed=self._ignores.needed,
-            ran=frozenset(self._ran) if self._whole else None,
+            silent=self._silent if self._whole else None,
             outline=_outline(composed),
         )
 
@@ -216,20 +212,22 @@ class _File:
         self._ignores.enter(opened.stage, locator, layer if self._tells_idle else None)
         if opened.unparsed or any(error.touches_spec for error in scope.errors):
             self._whole = False
-        found, crashes = self._findings([*self._subjects(opened, scope)], chosen, locator)
+        used = list(opened.stage.GetUsedLayers())
+        found, crashes = self._findings([*self._subjects(opened, scope, used)], chosen, locator)
         if self._about:
             concerns = Concerns(opened.stage, self._about)
             found = tuple(one for one in found if one in concerns)
         choice = RendererChoice(self._root, chosen.name, reason)
-        return _Stage(opened, scope, found, crashes, choice)
+        return _Stage(opened, scope, found, crashes, choice, used)
 
-    def _subjects(self, opened: Opened, scope: RenderScope) -> Iterator[Subject]:
+    def _subjects(
+        self, opened: Opened, scope: RenderScope, used: list[Sdf.Layer]
+    ) -> Iterator[Subject]:
         yield from subjects_of(scope)
         yield from map(_as_layer, dict.fromkeys(opened.unparsed))
         if self._config.selection.needs_scene:
             yield read_scene(opened.stage, scope)
-        layers = opened.stage.GetUsedLayers()
-        for file in sorted({one.realPath for one in layers if one.realPath}):
+        for file in sorted(_files_of(used)):
             yield from ill_formed_expressions(self._texts, file)
 
     def _lint_variants(
@@ -289,26 +287,22 @@ class _File:
     def _findings(
         self, subjects: list[Subject], chosen: Renderer, locator: Locator
     ) -> tuple[tuple[Located, ...], list[Crash]]:
-        selection = self._config.selection
-        rules = [r for r in selection.run if not r.renderers or chosen.name in r.renderers]
-        told, crashes = run(rules, subjects, Context(chosen))
+        judged = self._config.judged_by(chosen)
+        self._silent &= judged.silent
+        told, crashes = run(judged.rules, subjects, Context(chosen))
         told = [t for t in unique(told) if self._severity(t, chosen) is not None]
         settled = settle(told)
         kept = {id(one) for one in settled}
-        found = []
+        found: list[Located] = []
         # What another finding explains away comes back with the next change: its suppression is no
         # idle one.
         for one in told if self._judges_suppressions else settled:
             severity = self._severity(one, chosen)
-            if severity is not None and one.rule.id in selection.told:
-                located = locator.locate(one, severity)
-                judged = self._ignores.judge(located)
+            if severity is not None and one.rule.id in self._config.selection.told:
+                located = self._ignores.judge(locator.locate(one, severity))
                 left_out = self._config.leaves_out(one.rule.id, located.location.file)
                 if id(one) in kept and not left_out:
-                    found.append(judged)
-        off = {rule for rule, severity in chosen.severities.items() if severity is None}
-        silent = off.difference(self._config.severities)
-        self._ran.update(selection.told.intersection(r.id for r in rules) - silent)
+                    found.append(located)
         return tuple(found), crashes
 
     def _severity(self, told: Told, chosen: Renderer) -> Severity | None:
@@ -338,6 +332,10 @@ class _File:
             yield crashed_rule(self._root, crash)
 
 
+def _files_of(layers: Iterable[Sdf.Layer]) -> set[str]:
+    return {file for one in layers if (file := one.realPath)}
+
+
 def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
     return Outcome(found.key, found.selected, found.choices, choice, linted.findings)
 
@@ -345,10 +343,10 @@ def _outcome(found: VariantSet, choice: str, linted: _Stage) -> Outcome:
 def _outline(linted: _Stage) -> Outline:
     stage = linted.opened.stage
     local = stage.GetLayerStack(includeSessionLayers=False)
-    has_arcs = len(stage.GetUsedLayers()) > len(local) + 1  # the session layer is another
+    has_arcs = len(linted.used) > len(local) + 1  # the session layer is another
     return Outline(
         tuple(split_package(one.realPath)[0] for one in local if one.realPath),
-        frozenset(str(spec.path) for one in local for spec in one.rootPrims),
+        frozenset(f"/{n}" for one in local for n in one.rootPrims.keys()),  # noqa: SIM118 not specs
         frozenset(_brought(stage, linted.scope, {*local}) if has_arcs else ()),
     )
 

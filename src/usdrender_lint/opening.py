@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import stat
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 
 from pxr import Sdf, Tf
 
@@ -66,11 +66,11 @@ def look(file: str) -> Unreadable | None:
     """What the first bytes tell before USD is asked; its own messages differ by extension."""
     if not file.isascii() and file.encode(errors="replace").decode() != file:
         return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
+    at = bytes_at(file)
     try:
-        at = Path(bytes_at(file))
-        if what := _no_file(at.stat().st_mode):
+        if what := _no_file(os.stat(at).st_mode):
             return Unreadable(file, "unreadable-file", f"{what}, not a file")
-        with at.open("rb") as stream:
+        with open(at, "rb", buffering=0) as stream:
             head = stream.read(1024)
     except OSError as error:
         return _cannot_be_read(file, error)
@@ -91,7 +91,7 @@ def look(file: str) -> Unreadable | None:
         return Unreadable(file, "unreadable-file", said)
     if head.startswith(_EMPTY_PACKAGE):
         return Unreadable(file, "unreadable-file", "a zip package without a file in it")
-    if bytes_at(file) != file and head.startswith(_PACKAGE):
+    if at != file and head.startswith(_PACKAGE):
         said = "a package cannot be linted from standard input"
         return Unreadable(file, "unreadable-file", said)
     return _wrong_format(file, head)
@@ -124,12 +124,15 @@ def sublayers_of(
     """
     held, known = [layer], {layer.identifier}
     for one in held:
+        all_assets = _brought_in(one, look_through)
+        if not (all_assets or one.subLayerPaths):
+            continue
         sublayers = {one.ComputeAbsolutePath(name) for name in one.subLayerPaths}
-        others = map(one.ComputeAbsolutePath, _brought_in(one, look_through))
+        others = map(one.ComputeAbsolutePath, all_assets)
         for file in sorted(sublayers.union(others) - known):
             known.add(file)
             try:
-                what = _no_file(Path(file).stat().st_mode)
+                what = _no_file(os.stat(file).st_mode)
             except (OSError, ValueError):  # told where it is missed
                 continue
             if what not in (None, _FOLDER):
@@ -147,7 +150,7 @@ def _brought_in(layer: Sdf.Layer, look_through: Callable[[Sdf.Layer], None]) -> 
     file = bytes_at(layer.realPath)
     is_text = file.endswith(".usda")
     try:
-        size = Path(file).stat().st_size
+        size = os.stat(file).st_size
     except OSError:
         return []
     if size >= (_SMALL if is_text else _SMALL_CRATE):
@@ -160,7 +163,7 @@ def _brought_in(layer: Sdf.Layer, look_through: Callable[[Sdf.Layer], None]) -> 
 
 
 def _wrong_format(file: str, head: bytes) -> Unreadable | None:
-    suffix = Path(file).suffix.lower()
+    suffix = os.path.splitext(file)[1].lower()
     is_crate, is_package = head.startswith(_CRATE), head.startswith(_PACKAGE)
     expected = {
         ".usd": not is_package,
@@ -353,7 +356,7 @@ def _text_in(name: str) -> tuple[bytes | None, str]:
     inside = ""
     if file.lower().endswith(".usdz") and member is None:
         member = inside = first_member(file, None) or ""
-    with Path(bytes_at(file)).open("rb") as stream:
+    with open(bytes_at(file), "rb") as stream:
         data = bytes_of(stream, member) if member else stream.read()
     binary = data is None or b"\0" in data[:1024] or data.startswith((_CRATE, _PACKAGE))
     return None if binary else data, inside

@@ -17,7 +17,7 @@ _IN_PACKAGE = lazily(r"(.*?\.usdz)\[(.*)\]", re.IGNORECASE | re.DOTALL)
 
 def split_package(name: str) -> tuple[str, str | None]:
     """A file, and the member that is meant if it is a package."""
-    match = _IN_PACKAGE.fullmatch(name)
+    match = _IN_PACKAGE.fullmatch(name) if name.endswith("]") else None
     return (match[1], match[2]) if match else (name, None)
 
 

@@ -9,6 +9,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from . import rules as built_in
+from .model import Suppressions
 from .records import dataclass
 from .results import Skipped
 from .rule import AnyRule, Rule
@@ -66,6 +67,8 @@ class Selection:
     skipped: tuple[Skipped, ...] = ()
     needs_scene: bool = False
     """One of those that run needs the whole stage."""
+    judges_suppressions: bool = False
+    """One of those that are told is about suppressions."""
 
 
 def select(
@@ -97,4 +100,5 @@ def select(
         tuple(rules[i] for i in sorted(running)),
         tuple(Skipped(i, reason) for i in sorted(refused - left_out)),
         not whole.isdisjoint(running),
+        any(rules[i].on is Suppressions for i in told),
     )

@@ -67,12 +67,18 @@ class Uses:
         self._scopes = [quote + name + quote for name in tops for quote in (b'"', b"'")]
         self._scope_names = [b"\0" + name + b"\0" for name in tops]
         self._layers: dict[str, _Layer] = {}
+        self._reaches: dict[str, Reach] = {}
         self._existing: dict[str, bool] = {}
         self._real = RealPaths()
         self.unreadable: set[str] = set()
 
     def of(self, file: str) -> Reach:
         """All that a layer brings in, of whatever depth."""
+        if file not in self._reaches:
+            self._reaches[file] = self._reach(file)
+        return self._reaches[file]
+
+    def _reach(self, file: str) -> Reach:
         stack: set[str] = set()
         maybe: set[str] = set()
         root, sure = self._real[file], True
@@ -93,7 +99,7 @@ class Uses:
                         pending.append((path, False))
         return Reach(frozenset(stack), frozenset(maybe), sure)
 
-    def between(self, files: Mapping[str, Path]) -> set[str]:
+    def between(self, files: Mapping[str, str | Path]) -> set[str]:
         """Those of the files, by real paths, that another one sublayers, and does not sublayer in
         turn."""
         stacks = {real: self.of(str(file)).stack for real, file in files.items()}
@@ -128,8 +134,10 @@ class Uses:
                 return b""
             with at.open("rb") as stream:
                 head = stream.read(_HEAD)
-                is_whole = not head.startswith(b"#") or (not self._wanted and _metadata_ends(head))
-                return head if is_whole else head + stream.read()
+                if len(head) < _HEAD or not head.startswith(b"#"):
+                    return head
+                is_enough = not self._wanted and _metadata_ends(head)
+                return head if is_enough else head + stream.read()
         except (OSError, ValueError):
             return b""
 

@@ -47,8 +47,9 @@ class Configurations:
         if not may_speak and (is_repository or above in self._of_folder):
             self._of_folder[folder] = NOTHING if is_repository else self._of_folder[above]
 
-    def of_file(self, file: Path) -> Configuration:
-        return self.of(os.path.dirname(absolute(file)))
+    def of_file(self, file: str) -> Configuration:
+        """For an absolute one."""
+        return self.of(os.path.dirname(file))
 
     def of_files_in(self, path: str) -> Configuration:
         """Of a file, or of those in a folder."""

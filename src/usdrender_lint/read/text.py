@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+import mmap
+import os
 
 from pxr import Sdf, Usd
 
@@ -13,6 +14,10 @@ from ..sites import find
 from ..usda import UsdaText
 
 _BINARY = (b"PXR-USDC", b"PK\x03\x04")
+_LITTLE = 1 << 16
+"""Bytes of a text that is read rather than looked through in its file."""
+_ROOM = 1 << 22
+"""Bytes of texts that are kept though nothing but a word of them was asked about."""
 
 
 class Texts:
@@ -21,6 +26,7 @@ class Texts:
     def __init__(self) -> None:
         self._known: dict[str, UsdaText | None] = {}
         self._full_names: dict[str, str] = {}
+        self._room = _ROOM
 
     def of(self, layer: Sdf.Layer) -> UsdaText | None:
         """None for a binary layer or one without a file."""
@@ -48,14 +54,20 @@ class Texts:
         return self._known[file]
 
     def mention(self, file: str, word: bytes) -> bool:
-        """Whether the text of a layer holds a word. That alone does not keep the text: there may be
-        more of them than fit into memory."""
+        """Whether the text of a layer holds a word. That alone does not keep the text of a large one:
+        there may be more of them than fit into memory."""
         file = self.full_name(file)
-        if file in self._known:
-            text = self._known[file]
-            return text is not None and text.mentions(word)
-        data = text_of(file)
-        return data is not None and word in data
+        if file not in self._known:
+            found = _text_or(file, word)
+            if isinstance(found, bool):
+                return found
+            if found is not None:
+                if len(found) > self._room:
+                    return word in found
+                self._room -= len(found)
+            self._known[file] = None if found is None else UsdaText(found)
+        text = self._known[file]
+        return text is not None and text.mentions(word)
 
     def written_target(self, stage: Usd.Stage, site: Site) -> str | None:
         """The text between the angle brackets of one entry of a relationship's list."""
@@ -66,16 +78,36 @@ class Texts:
         return text.written_target(spot.path, spot.target)
 
 
+def _text_or(name: str, word: bytes) -> bytes | bool | None:
+    """The bytes of a usda layer, None if it is binary or cannot be read; of a large one only whether
+    it holds the word."""
+    if name.endswith("]"):
+        return text_of(name)
+    try:
+        with open(bytes_at(name), "rb", buffering=0) as stream:
+            head = stream.read(8)
+            if head.startswith(_BINARY):
+                return None
+            if os.fstat(stream.fileno()).st_size <= _LITTLE:
+                return head + stream.read()
+            with mmap.mmap(stream.fileno(), 0, access=mmap.ACCESS_READ) as whole:
+                return whole.find(word) >= 0
+    except OSError:
+        return None
+
+
 def text_of(name: str) -> bytes | None:
     """The bytes of a usda layer: by what they are, for `.usd` may be text or crate. The layer may be
     a member of a package, also of one in a package."""
     file, member = split_package(name)
     try:
-        with Path(bytes_at(file)).open("rb") as stream:
+        with open(bytes_at(file), "rb", buffering=0) as stream:
             if member:
                 found = bytes_of(stream, member)
                 return None if found is None or found.startswith(_BINARY) else found
-            head = stream.read(8)
-            return None if head.startswith(_BINARY) else head + stream.read()
+            if stream.read(8).startswith(_BINARY):
+                return None
+            stream.seek(0)
+            return stream.read()
     except OSError:
         return None

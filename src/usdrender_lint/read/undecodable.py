@@ -22,12 +22,12 @@ _WRITTEN = lazily(rb"\\\\|\\x[89a-fA-F][0-9a-fA-F]")
 _INSTEAD = "\ufffd"
 
 
-def loaded_layers() -> set[str]:
+def loaded_layers() -> list[Sdf.Layer]:
     """What is in memory before a file is opened belongs to somebody else, and is left as it is."""
-    return {layer.identifier for layer in Sdf.Layer.GetLoadedLayers()}
+    return list(Sdf.Layer.GetLoadedLayers())
 
 
-def make_decodable(besides: set[str]) -> dict[str, list[str]] | None:
+def make_decodable(besides: list[Sdf.Layer]) -> dict[str, list[str]] | None:
     """Put a replacement character for all that is not UTF-8 into the layers that were opened since
     `besides` was asked for, in memory only. The files, each with the prims and layer metadata that
     hold such text; None if one of them cannot be changed."""
@@ -37,7 +37,7 @@ def make_decodable(besides: set[str]) -> dict[str, list[str]] | None:
             continue
         text, places = _decodable(layer)
         if places:
-            if layer.identifier in besides or not _takes(layer, text):
+            if layer in besides or not _takes(layer, text):
                 return None
             found[layer.realPath] = places
     return found or None
