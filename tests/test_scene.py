@@ -7,12 +7,14 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd
 
+from conftest import ROOT
 from usdrender_lint import stage
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.read import scene
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.results import Report
 
+FIXTURES = sorted((ROOT / "fixtures").glob("[bc]*/*.usda"))
 STAGE = """\
 #usda 1.0
 (
@@ -190,3 +192,22 @@ def test_masked_and_whole_say_the_same(tmp_path: Path) -> None:
     whole = lint_text(tmp_path, text, scene=True)
     others = [f.identity for f in whole.findings if not f.rule.needs_scene]
     assert [f.identity for f in masked.findings] == others
+
+
+@pytest.mark.parametrize("file", FIXTURES, ids=lambda f: f.name)
+def test_masked_and_whole_say_the_same_of_every_fixture(file: Path) -> None:
+    masked, whole = lint([str(file)]), lint([str(file)], Config(select(scene=True)))
+    others = [f.identity for f in whole.findings if not f.rule.needs_scene]
+    assert [f.identity for f in masked.findings] == others
+
+
+def test_on_a_whole_stage_strays_are_found_among_its_prims(tmp_path: Path) -> None:
+    """Also one whose type only comes near that of a render prim; and none in the scope."""
+    text = (
+        STAGE
+        + 'def RenderVar "stray"\n{\n}\ndef Xform "W"\n{\n    def renderVar "near"\n    {\n    }\n}\n'
+    )
+    for whole in (False, True):
+        found = {f.rule.id: f.prim_path for f in lint_text(tmp_path, text, scene=whole).findings}
+        assert found["outside-render-scope"] == "/stray"
+        assert found["unknown-prim-type"] == "/W/near"

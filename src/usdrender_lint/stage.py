@@ -39,10 +39,14 @@ class Opened:
 
     stage: Usd.Stage
     scopes: tuple[str, ...]
+    whole: bool = False
+    """Nothing is left out."""
     unreadable: list[Unreadable] = field(default_factory=list)
     unparsed: list[ParseProblem] = field(default_factory=list)
     render_prims: list[Usd.Prim] | None = None
     """See the functions of these names. None: not yet asked for, of what is populated by now."""
+    other_types: frozenset[str] = frozenset()
+    """Of all that is no render prim, by the names that are written, known ones or not."""
     in_scopes: list[Usd.Prim] | None = None
 
 
@@ -60,7 +64,7 @@ def open_stage(
     """
     session = session or Sdf.Layer.CreateAnonymous("session")
     if whole:
-        return Opened(Usd.Stage.Open(layer, session), scopes)
+        return Opened(Usd.Stage.Open(layer, session), scopes, whole=True)
     mask = Usd.StagePopulationMask()
     for scope in scopes:
         mask.Add(Sdf.Path(scope))
@@ -159,22 +163,24 @@ def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Pat
 def render_prims(opened: Opened) -> list[Usd.Prim]:
     """Every prim of a render type that is populated, in the scopes or elsewhere, whatever its state."""
     if opened.render_prims is None:
-        opened.render_prims = [*_render_prims(opened.stage)]
-    return opened.render_prims
-
-
-def _render_prims(stage: Usd.Stage) -> Iterator[Usd.Prim]:
-    # There may be a million prims of a few types: only the first of each is asked what it is.
-    others: set[str] = set()
-    for top in stage.GetPseudoRoot().GetAllChildren():
-        for prim in all_below(top):
+        found, others = list[Usd.Prim](), set[str]()
+        for prim in everything(opened.stage):
+            # There may be a million prims of a few types: only the first of each is asked what it is.
             name = _type_name(prim)
             if name in others:
                 continue
             if is_render_prim(prim):
-                yield prim
+                found.append(prim)
             else:
                 others.add(name)
+        opened.render_prims, opened.other_types = found, frozenset(others)
+    return opened.render_prims
+
+
+def everything(stage: Usd.Stage) -> Iterator[Usd.Prim]:
+    """All prims that are populated, whatever their state."""
+    for top in stage.GetPseudoRoot().GetAllChildren():
+        yield from all_below(top)
 
 
 def in_scopes(opened: Opened) -> list[Usd.Prim]:

@@ -59,7 +59,7 @@ T = TypeVar("T")
 def read(opened: Opened, texts: Texts) -> RenderScope:
     """The render spec of a stage that `open_stage` opened; widens its mask as needed."""
     stage = opened.stage
-    strays = stray_paths(stage, opened.scopes)
+    strays = stray_paths(opened)
     default = default_path(authored_default(stage))
     widen_to_targets(opened, [*strays, *([default] if default else [])])
     widen_to_members(opened)

@@ -11,6 +11,7 @@ from pxr import Sdf, Usd
 
 from ..handed import bytes_at
 from ..lazily import lazily
+from ..stage import Opened, everything, render_prims
 from .crate_types import crate_types
 from .specs import children_of, there, variants_of
 
@@ -23,13 +24,28 @@ _WORD = lazily(  # with a literal beginning the search is eight times as fast
 )
 
 
-def stray_paths(stage: Usd.Stage, scopes: tuple[str, ...]) -> list[str]:
+def stray_paths(opened: Opened) -> list[str]:
     """Composed paths of specs of a render type, or nearly of one, outside the scopes, in the root
-    layer stack, sorted."""
+    layer stack, sorted. Of a stage that is there as a whole, those of its prims."""
+    stage, scopes = opened.stage, opened.scopes
+    if opened.whole:
+        return sorted(_on_stage(opened))
     found: set[str] = set()
     for layer in stage.GetLayerStack(includeSessionLayers=False):
         found.update(_in_layer(layer, scopes))
     return sorted(found)
+
+
+def _on_stage(opened: Opened) -> Iterator[str]:
+    prims: Iterable[Usd.Prim] = render_prims(opened)
+    if any(map(_TYPE.fullmatch, opened.other_types)):
+        prims = everything(opened.stage)
+    for prim in prims:
+        path = str(prim.GetPath())
+        if _TYPE.fullmatch(prim.GetTypeName()) and not any(
+            path.startswith(f"{scope}/") for scope in opened.scopes
+        ):
+            yield path
 
 
 def _in_layer(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
