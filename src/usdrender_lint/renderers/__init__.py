@@ -155,15 +155,23 @@ def _every(key: str, own: tuple[Own, ...]) -> frozenset[str]:
 
 def choose(evidence: Evidence, own: tuple[Own, ...] = ()) -> tuple[Renderer, str]:
     """The renderer that left by far the most traces, and which; `any` where none did, or several."""
-    if not any(_is_trace(kind, t, own) for kind in _TRACES for t, _ in _traces(evidence, kind)):
+    traces: dict[str, dict[str, list[str]]] = {}
+    weights: dict[str, int] = {}
+    for kind in _TRACES:
+        for trace, count in _traces(evidence, kind):
+            for name in _left_by(kind, trace, own):
+                traces.setdefault(name, {}).setdefault(kind, []).append(trace)
+                weights[name] = weights.get(name, 0) + count
+    if not weights:
         return renderer(ANY, own), "no traces of a renderer"
-    weighed = [(name, *_weigh(told, evidence)) for name, told in _telling(own)]
-    most = max(weight for _, weight, _ in weighed)
-    contenders = [(name, reason) for name, weight, reason in weighed if 2 * weight > most]
-    if len(contenders) == 1:
-        return renderer(contenders[0][0], own), contenders[0][1]
-    names = tuple(name for name, _ in contenders)
-    return _any_of(names, own), f"traces of {' and '.join(names)}, none by far the most"
+    most = max(weights.values())
+    contenders = tuple(name for name in sorted(weights) if 2 * weights[name] > most)
+    if len(contenders) > 1:
+        said = f"traces of {' and '.join(contenders)}, none by far the most"
+        return _any_of(contenders, own), said
+    (name,) = contenders
+    reasons = (f"{_TRACES[kind]} {', '.join(map(repr, t))}" for kind, t in traces[name].items())
+    return renderer(name, own), "; ".join(reasons)
 
 
 _TRACES = {
@@ -177,31 +185,11 @@ _TRACES = {
 """What an entry of `[evidence]` is called in a sentence."""
 
 
-@cache
-def _telling(own: tuple[Own, ...]) -> list[tuple[str, list[tuple[str, tuple[str, ...]]]]]:
-    """For each renderer the patterns of each kind of trace, where there are any."""
-    return [
-        (name, [(kind, tuple(told[kind])) for kind in _TRACES if told.get(kind)])
-        for name, table in _tables(own).items()
-        if (told := table.get("evidence"))
-    ]
-
-
 @lru_cache(maxsize=4096)
-def _is_trace(kind: str, name: str, own: tuple[Own, ...]) -> bool:
-    """Whether any renderer goes by it: stages are full of names, the same ones over and over."""
-    patterns = (p for _, told in _telling(own) for k, listed in told if k == kind for p in listed)
-    return any(_fits(name, pattern) for pattern in patterns)
-
-
-def _weigh(told: Iterable[tuple[str, tuple[str, ...]]], evidence: Evidence) -> tuple[int, str]:
-    weight, said = 0, []
-    for kind, patterns in told:
-        found = [t for t in _traces(evidence, kind) if any(_fits(t[0], p) for p in patterns)]
-        if found:
-            weight += sum(count for _, count in found)
-            said.append(f"{_TRACES[kind]} {', '.join(repr(name) for name, _ in found)}")
-    return weight, "; ".join(said)
+def _left_by(kind: str, trace: str, own: tuple[Own, ...]) -> tuple[str, ...]:
+    """The renderers that go by it, mostly none: stages are full of names, the same over and over."""
+    told = ((name, table.get("evidence", {})) for name, table in _tables(own).items())
+    return tuple(name for name, by in told if any(_fits(trace, p) for p in by.get(kind, ())))
 
 
 def _traces(evidence: Evidence, kind: str) -> Iterable[tuple[str, int]]:
