@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import field
 from enum import StrEnum
 from fnmatch import fnmatchcase
-from typing import Any, Generic, TypeVar
+from functools import wraps
+from typing import Any, Generic, TypeVar, cast
 
 from .model import HasSite, Scene
 from .records import dataclass
 
 S = TypeVar("S")
+T = TypeVar("T")
 
 
 class Severity(StrEnum):
@@ -154,6 +156,22 @@ class Context:
     """What a rule may know beside its subject."""
 
     renderer: Renderer
+    answers: dict[object, tuple[object, Any]] = field(default_factory=dict, compare=False)
+    """What rules asked about a subject, by the question; see `once`."""
+
+
+def once(ask: Callable[[S, Context], T]) -> Callable[[S, Context], T]:
+    """A question that several rules ask about one subject, answered once."""
+
+    @wraps(ask)
+    def answer(subject: S, context: Context) -> T:
+        about, found = context.answers.get(ask, (None, None))
+        if about is not subject:
+            found = ask(subject, context)
+            context.answers[ask] = subject, found
+        return cast("T", found)
+
+    return answer
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import posixpath
 import re
+from functools import lru_cache
 
 from ..lazily import lazily
 from ..rule import Renderer
+
+_PLAIN = lazily(r"[\w./-]*")
 
 _FRAME_TOKEN = lazily(
     r"""
@@ -29,8 +32,15 @@ DRIVER_ATTRIBUTES = ("arnold:driver", "ri:productType")
 """On a product they choose what writes the file, whatever its extension."""
 
 
+def is_plain(name: str) -> bool:
+    """Most are: nothing in it is to be replaced, or means anything to a shell."""
+    return _PLAIN.fullmatch(name) is not None
+
+
 def frame_token(name: str) -> str | None:
     """The first token that some program replaces by the frame."""
+    if is_plain(name):
+        return None
     found = _FRAME_TOKEN.search(name)
     return found[0] if found else None
 
@@ -57,6 +67,7 @@ def frame_number(name: str) -> str | None:
     return found[0] if found else None
 
 
+@lru_cache(maxsize=256)
 def extension_of(name: str) -> str:
     """As written, with the dot; a frame number or token behind it is no extension."""
     stem, extension = posixpath.splitext(name.replace("\\", "/"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from ..lazily import lazily
 from ..records import dataclass
 
@@ -21,6 +23,7 @@ class Pixel:
     """16 bits: whole numbers only to 2048."""
 
 
+@lru_cache(maxsize=256)  # all vars have one of a few
 def pixel(data_type: str) -> Pixel | None:
     """None for a type that is no pixel of an image: text, matrices, arrays ..."""
     found = _PIXEL.fullmatch(data_type)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from ..model import RenderScope, Var
+from ..rule import Context, once
 
 
-def live(scope: RenderScope) -> Iterator[Var]:
-    return (v for v in scope.vars if v.live)
+@once
+def live(scope: RenderScope, context: Context) -> tuple[Var, ...]:
+    return tuple(v for v in scope.vars if v.live)
 
 
-def used(scope: RenderScope) -> Iterator[Var]:
+@once
+def used(scope: RenderScope, context: Context) -> tuple[Var, ...]:
     """Vars that a product lists; of a layer without products, which other layers complete, all."""
+    if not scope.products:
+        return live(scope, context)
     listed = {t.path for p in scope.products for t in p.ordered_vars.targets}
-    return (v for v in live(scope) if v.path in listed or not scope.products)
+    return tuple(v for v in live(scope, context) if v.path in listed)

@@ -69,7 +69,7 @@ def unknown_data_type(var: Var, context: Context) -> Iterator[Finding]:
 )
 def unsupported_data_type(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`dataType` is a type of USD that no image holds, or none of the renderer's."""
-    found = (f for var in live(scope) if (f := _unsupported(var, context.renderer)))
+    found = (f for var in live(scope, context) if (f := _unsupported(var, context.renderer)))
     yield from handful(found, "vars")
 
 
@@ -113,12 +113,13 @@ def _format(var: Var) -> Pixel | None:
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("low-precision-data",),
+    about=("sourceName",),
 )
 def data_type_mismatch(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """`dataType` does not fit what the source gives."""
     found = (
         finding
-        for var in used(scope)
+        for var in used(scope, context)
         if not (var.maybe_more and not var.data_type.authored)
         and (held := pixel(var.data_type.value))
         and (finding := _mismatch(var, held))
@@ -172,7 +173,7 @@ def nonstandard_data_type(scope: RenderScope, context: Context) -> Iterator[Find
             label="not a type of USD",
             help="write a type of USD, if other renderers read this: half for float16, color3f for colors",
         )
-        for var in used(scope)
+        for var in used(scope, context)
         if not var.data_type_known and var.data_type.value in context.renderer.data_types
     )
     yield from handful(found, "vars")
@@ -189,6 +190,7 @@ _EXACT = frozenset({*_SCALARS, "P", "__Pworld", "__Pref", "Pref", "ray:hitP"}) -
     severity=Severity.NOTE,
     since="0.1",
     supersedes=("nonstandard-data-type",),
+    about=("dataType",),
 )
 def low_precision_data(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Depth, positions or ids are written with 16 bits."""
@@ -199,11 +201,11 @@ def low_precision_data(scope: RenderScope, context: Context) -> Iterator[Finding
             label="16 bits",
             help="use the type with 32 bits, such as float or point3f",
         )
-        for var in used(scope)
-        if var.source_type.value == "raw"
-        and _needs_precision(var.source_name.value)
-        and (held := pixel(var.data_type.value))
+        for var in used(scope, context)
+        if (held := pixel(var.data_type.value))
         and held.half
+        and var.source_type.value == "raw"
+        and _needs_precision(var.source_name.value)
     )
     yield from handful(found, "vars")
 
@@ -224,7 +226,7 @@ def aov_format_mismatch(scope: RenderScope, context: Context) -> Iterator[Findin
     """The renderer's own format attribute disagrees with `dataType`."""
     found = (
         finding
-        for var in used(scope)
+        for var in used(scope, context)
         for name in _FORMATS
         if (finding := _format_mismatch(var, name))
     )

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ..lazily import lazily
 from ..model import FrameRange, Product, RenderScope
-from ..rule import Context, Finding, Renderer, Severity, Sign, rule
+from ..rule import Context, Finding, Renderer, Severity, Sign, once, rule
 from ._handful import handful
 from ._names import (
     DRIVER_ATTRIBUTES,
@@ -17,6 +17,7 @@ from ._names import (
     has_placeholder,
     is_file,
     is_movie,
+    is_plain,
     quoted,
     without_expanded,
     without_tokens,
@@ -33,10 +34,11 @@ def _rendered(scope: RenderScope) -> Iterator[Product]:
     return (p for p in scope.products if p.live and (p.path in listed or not scope.settings))
 
 
-def _files(scope: RenderScope, renderer: Renderer) -> Iterator[tuple[Product, str]]:
-    for product in _rendered(scope):
-        if is_file(product.first_name, renderer):
-            yield product, product.first_name
+@once
+def _files(scope: RenderScope, context: Context) -> tuple[tuple[Product, str], ...]:
+    """With their names."""
+    named = ((p, p.first_name) for p in _rendered(scope))
+    return tuple((p, name) for p, name in named if is_file(name, context.renderer))
 
 
 @rule(
@@ -45,13 +47,14 @@ def _files(scope: RenderScope, renderer: Renderer) -> Iterator[tuple[Product, st
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("frame-token-in-product-name", "name-only-time-sampled"),
+    about=("productName",),
 )
 def static_product_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """All frames of a sequence get the same file name."""
     if scope.frames.several:
         found = (
             _static(product, name, scope.frames, context.renderer)
-            for product, name in _files(scope, context.renderer)
+            for product, name in _files(scope, context)
             if _is_static(product, name, context.renderer)
         )
         yield from handful(found, "products")
@@ -86,12 +89,18 @@ def _static(product: Product, name: str, frames: FrameRange, renderer: Renderer)
     )
 
 
-@rule("unsupported-extension", on=RenderScope, severity=Severity.WARNING, since="0.1")
+@rule(
+    "unsupported-extension",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("productName",),
+)
 def unsupported_extension(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's name has no extension, or one that no renderer writes."""
     found = (
         _unsupported(product, name, context.renderer)
-        for product, name in _files(scope, context.renderer)
+        for product, name in _files(scope, context)
         if _is_plain_image(product, context.renderer)
         and not _is_written(name, context.renderer)
         and not has_placeholder(extension_of(name) or name)
@@ -104,7 +113,8 @@ def _is_written(name: str, renderer: Renderer) -> bool:
     extension = extension_of(name).strip()
     if renderer.exact_extension_case and extension != extension.lower():
         return False
-    return extension.lower() in renderer.extensions - renderer.unsupported_extensions
+    known = extension.lower()
+    return known in renderer.extensions and known not in renderer.unsupported_extensions
 
 
 def _is_plain_image(product: Product, renderer: Renderer) -> bool:
@@ -136,7 +146,13 @@ def _unsupported(product: Product, name: str, renderer: Renderer) -> Finding:
     return Finding(product.product_name, said, label=label, help=help_, severity=severity)
 
 
-@rule("frame-token-in-product-name", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule(
+    "frame-token-in-product-name",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    about=("productName",),
+)
 def frame_token_in_product_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's name holds a frame token, which USD does not replace."""
     found = (
@@ -146,8 +162,8 @@ def frame_token_in_product_name(scope: RenderScope, context: Context) -> Iterato
             label="a frame token",
             help="give every frame its name in productName.timeSamples, if other programs render this too",
         )
-        for product, name in _files(scope, context.renderer)
-        if (token := frame_token(without_expanded(name, context.renderer)))
+        for product, name in _files(scope, context)
+        if not is_plain(name) and (token := frame_token(without_expanded(name, context.renderer)))
     )
     yield from handful(found, "products")
 
@@ -169,7 +185,7 @@ def name_only_time_sampled(scope: RenderScope, context: Context) -> Iterator[Fin
             label="no default",
             help=f'add token productName = "{name}"',
         )
-        for product, name in _files(scope, context.renderer)
+        for product, name in _files(scope, context)
         if not product.product_name.value
     )
     yield from handful(found, "products")
@@ -185,18 +201,21 @@ _DRIVE = lazily(r"[A-Za-z]:")
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("frame-token-in-product-name", "relative-product-name"),
+    about=("productName",),
 )
 def nonportable_product_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's name holds what only a shell or one platform understands."""
     found = (
         finding
-        for product, name in _files(scope, context.renderer)
+        for product, name in _files(scope, context)
         if (finding := _nonportable(product, name, context.renderer))
     )
     yield from handful(found, "products")
 
 
 def _nonportable(product: Product, name: str, renderer: Renderer) -> Finding | None:
+    if is_plain(name):
+        return None
     faults = dict(_faults(without_tokens(name, renderer)))
     if faults:
         return Finding(
@@ -244,6 +263,7 @@ def _faults(name: str) -> Iterator[tuple[str, str]]:
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("productName",),
 )
 def relative_product_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product's name is relative to wherever the render is started."""
@@ -254,7 +274,7 @@ def relative_product_name(scope: RenderScope, context: Context) -> Iterator[Find
             label="relative",
             help="write an absolute path",
         )
-        for product, name in _files(scope, context.renderer)
+        for product, name in _files(scope, context)
         if not name.startswith(("/", "\\", "$", "{", "<", "`")) and not re.match(r"\w+:", name)
     )
     yield from handful(found, "products")

@@ -22,6 +22,7 @@ SOURCE_TYPES = ("raw", "primvar", "lpe", "intrinsic")
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("blocked-value",),
+    about=("orderedVars",),
 )
 def empty_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A var that a product lists does not name its source."""
@@ -71,8 +72,10 @@ def _without_source(var: Var) -> Finding:
 def unknown_source_type(var: Var, context: Context) -> Iterator[Finding]:
     """`sourceType` is none of the schema's."""
     kind = var.source_type
+    if kind.spoiled or kind.value in SOURCE_TYPES:
+        return
     known = (*SOURCE_TYPES, *sorted(context.renderer.source_types))
-    if kind.spoiled or kind.value in known:
+    if kind.value in known:
         return
     meant = nearest(kind.value, known, 0.7)
     yield Finding(
@@ -99,7 +102,7 @@ def intrinsic_source_type(scope: RenderScope, context: Context) -> Iterator[Find
             label="not implemented",
             help="use 'raw', and the name that your renderer knows the quantity by",
         )
-        for var in used(scope)
+        for var in used(scope, context)
         if var.source_type.value == "intrinsic" and "intrinsic" not in context.renderer.source_types
     )
     yield from handful(found, "vars")
