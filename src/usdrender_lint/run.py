@@ -51,14 +51,12 @@ def run(
     crashes: list[Crash] = []
     everything = list(subjects)
     shown = _shown(everything)
-    judged: dict[tuple[type, bool], list[Subject]] = {}
+    live = _by_kind(s for s in everything if not _is_dead(s))
+    all_there_is = _by_kind(everything)
     for rule in rules:
         if rule.about and shown is not None and rule.about.isdisjoint(shown):
             continue
-        kind = rule.on, rule.by_itself
-        if kind not in judged:
-            judged[kind] = list(_judged_by(rule, everything))
-        for subject in judged[kind]:
+        for subject in (all_there_is if rule.by_itself else live).get(rule.on, ()):
             try:
                 for finding in rule.check(subject, context):
                     told.append(Told(rule, finding))
@@ -74,9 +72,14 @@ def _shown(subjects: list[Subject]) -> set[str] | None:
     return None if scope is None else signs_of(scope)
 
 
-def _judged_by(rule: AnyRule, subjects: list[Subject]) -> Iterator[Subject]:
+def _is_dead(subject: Subject) -> bool:
+    return isinstance(subject, RenderPrim) and not subject.live
+
+
+def _by_kind(subjects: Iterable[Subject]) -> dict[type, list[Subject]]:
+    """Those that a rule `on` a kind sees."""
+    found: dict[type, list[Subject]] = {}
     for subject in subjects:
-        if isinstance(subject, rule.on):
-            is_dead = isinstance(subject, RenderPrim) and not subject.live
-            if rule.by_itself or not is_dead:
-                yield subject
+        for kind in type(subject).__mro__:
+            found.setdefault(kind, []).append(subject)
+    return found
