@@ -42,6 +42,10 @@ class State(StrEnum):
     """Perhaps behind an asset that did not open."""
 
 
+_LIVE = State.LIVE
+"""Rules ask most of all whether a prim is live, and Python 3.11 is slow to look up a member."""
+
+
 class ValueState(StrEnum):
     """Where the value that a C++ reader gets at the default time comes from."""
 
@@ -176,7 +180,7 @@ class Target:
 
     @property
     def live(self) -> bool:
-        return self.state is State.LIVE
+        return self.state is _LIVE
 
     @property
     def unknown(self) -> bool:
@@ -303,7 +307,7 @@ class RenderPrim:
 
     @property
     def live(self) -> bool:
-        return self.state is State.LIVE
+        return self.state is _LIVE
 
     def has(self, name: str) -> bool:
         """Some layer authors a property of that name."""
@@ -311,7 +315,10 @@ class RenderPrim:
 
     def extra_attr(self, name: str) -> Attr[str] | None:
         """An authored attribute that the schema does not have."""
-        return next((a for a in self.extras if a.name == name), None)
+        for attr in self.extras:
+            if attr.name == name:
+                return attr
+        return None
 
     def attrs(self) -> Iterator[Attr[object]]:
         """Every schema attribute that the model holds, authored or not."""
@@ -440,10 +447,11 @@ class Camera:
     def over_time(self, *attrs: Attr[T]) -> Iterator[tuple[float | None, tuple[T, ...]]]:
         """The values at each time of the frame range at which one of them is sampled; at None where
         none is."""
+        if not any(attr.samples for attr in attrs):
+            yield None, tuple(attr.value for attr in attrs)
+            return
         sampled = [dict(attr.samples) for attr in attrs]
         times = sorted({time for samples in sampled for time in samples})
-        if not times:
-            yield None, tuple(attr.value for attr in attrs)
         for time in times:
             pairs = zip(sampled, attrs, strict=True)
             yield time, tuple(samples.get(time, attr.value) for samples, attr in pairs)

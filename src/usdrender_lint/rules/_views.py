@@ -8,6 +8,15 @@ from typing import Any
 from ..model import Attr, HasSite, Output, Rel, Settings, ValueState
 
 
+def are_alike(outputs: Iterable[Output]) -> bool:
+    """Mostly they are: then nothing in them need be told apart."""
+    return len({(*(t.path for t in o.camera.targets[:1]), *_values(o)) for o in outputs}) < 2
+
+
+def _values(output: Output) -> tuple[object, ...]:
+    return tuple(attr.value for _, attr in _attrs(output))
+
+
 def views(outputs: Iterable[Output]) -> dict[str, set[object]]:
     """What is seen, by what can differ; products without a camera are another matter."""
     found: dict[str, set[object]] = {}

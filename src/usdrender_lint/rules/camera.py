@@ -32,7 +32,7 @@ _SAME_SHAPE = 0.01
 """Ratios that differ by less are one, rounded."""
 
 
-@rule("missing-camera", on=RenderScope, severity=Severity.ERROR, since="0.1")
+@rule("missing-camera", on=RenderScope, severity=Severity.ERROR, since="0.1", about=("products",))
 def missing_camera(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Neither the product nor its settings name a camera."""
     told: set[str] = set()
@@ -98,7 +98,9 @@ def _choose(scope: RenderScope) -> str:
     return "write rel camera = </path/of/the/camera> on the settings"
 
 
-@rule("multiple-cameras", on=SettingsBase, severity=Severity.WARNING, since="0.1")
+@rule(
+    "multiple-cameras", on=SettingsBase, severity=Severity.WARNING, since="0.1", about=("camera",)
+)
 def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The camera relationship names several prims, and only the first is used."""
     targets = prim.camera.targets

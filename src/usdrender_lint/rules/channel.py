@@ -82,6 +82,7 @@ def _differences(one: Var, other: Var) -> list[str]:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("conflicting-aov",),
+    about=("orderedVars",),
 )
 def duplicate_channel(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Two vars of one product write the same channel."""
@@ -91,6 +92,8 @@ def duplicate_channel(scope: RenderScope, context: Context) -> Iterator[Finding]
             if not (settings.live and output.product.live):
                 continue
             for name, group in _by_channel(output, context.renderer).items():
+                if len(group) < 2:
+                    continue
                 same = _alike(group, context.renderer)
                 key = tuple(v.path for v in same)
                 if len(same) > 1 and key not in told:
@@ -121,12 +124,16 @@ def _duplicate(output: Output, name: str, same: list[Var], renderer: Renderer) -
     )
 
 
-@rule("conflicting-aov", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "conflicting-aov", on=Settings, severity=Severity.WARNING, since="0.1", about=("orderedVars",)
+)
 def conflicting_aov(settings: Settings, context: Context) -> Iterator[Finding]:
     """Vars of different products share a channel's name and differ in what it holds."""
     renderer = context.renderer
     first: dict[str, tuple[Output, Var]] = {}
     told: set[str] = set()
+    if len(settings.outputs) < 2:
+        return
     for output in settings.outputs:
         for name, group in _by_channel(output, renderer).items() if output.product.live else ():
             elsewhere, other = first.setdefault(name, (output, group[0]))

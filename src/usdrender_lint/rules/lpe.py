@@ -132,7 +132,9 @@ def nonportable_lpe(var: Var, context: Context) -> Iterator[Finding]:
     )
 
 
-@rule("lpe-without-source-type", on=Var, severity=Severity.WARNING, since="0.1")
+@rule(
+    "lpe-without-source-type", on=Var, severity=Severity.WARNING, since="0.1", about=("sourceName",)
+)
 def lpe_without_source_type(var: Var, context: Context) -> Iterator[Finding]:
     """A source name is a light path expression, and the source type does not say so."""
     kind, name = var.source_type, var.source_name.value

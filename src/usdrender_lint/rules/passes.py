@@ -209,7 +209,13 @@ def _overwrites(writers: list[tuple[Pass, Output]]) -> Finding:
     )
 
 
-@rule("multiple-render-sources", on=Pass, severity=Severity.WARNING, since="0.1")
+@rule(
+    "multiple-render-sources",
+    on=Pass,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("renderSource",),
+)
 def multiple_render_sources(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pass names several render sources, and only the first is used."""
     targets = render_pass.render_source.targets

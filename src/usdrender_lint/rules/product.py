@@ -56,12 +56,20 @@ def empty_product_name(product: Product, context: Context) -> Iterator[Finding]:
     )
 
 
-@rule("duplicate-product-name", on=Settings, severity=Severity.ERROR, since="0.1")
+@rule(
+    "duplicate-product-name",
+    on=Settings,
+    severity=Severity.ERROR,
+    since="0.1",
+    about=("productName",),
+)
 def duplicate_product_name(settings: Settings, context: Context) -> Iterator[Finding]:
     """Two products of one render write the same file."""
     products = list(
         {o.product.path: o.product for o in settings.outputs if o.product.live}.values()
     )
+    if _are_different(products):
+        return
     written = [_files(p, context) for p in products]
     told: set[str] = set()
     for fold in (False, True):
@@ -90,6 +98,14 @@ def duplicate_product_name(settings: Settings, context: Context) -> Iterator[Fin
                 related=((earlier.product_name, "has it first"),),
                 severity=Severity.WARNING,
             )
+
+
+def _are_different(products: list[Product]) -> bool:
+    """Mostly one look at the names is enough."""
+    if any(p.product_name.samples for p in products):
+        return False
+    names = [p.product_name.value for p in products]
+    return len({_normal(name, fold=True) for name in names}) == len(names)
 
 
 def _same_default(products: list[Product], context: Context) -> Iterator[tuple[Product, Product]]:
@@ -160,8 +176,10 @@ def _normal(name: str, fold: bool) -> str:
 def unknown_product_type(product: Product, context: Context) -> Iterator[Finding]:
     """No renderer at hand writes products of this type."""
     kind = product.product_type
+    if kind.spoiled or kind.value in SCHEMA_TYPES or ":" in kind.value:
+        return
     known = (*SCHEMA_TYPES, *sorted(context.renderer.product_types))
-    if kind.spoiled or kind.value in known or ":" in kind.value:
+    if kind.value in known:
         return
     meant = nearest(kind.value, known, 0.7) or _by_prefix(kind.value)
     yield Finding(
@@ -182,12 +200,12 @@ def _by_prefix(value: str) -> str | None:
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("too-many-vars-for-format", "unsupported-extension"),
+    about=("productName",),
 )
 def deep_needs_exr(product: Product, context: Context) -> Iterator[Finding]:
     """A deep product's name has an extension that holds no deep data."""
-    deep = {"deepRaster", *context.renderer.deep_types}
-    name = product.first_name
-    if product.product_type.value not in deep or not name:
+    name, kind = product.first_name, product.product_type.value
+    if not name or not (kind == "deepRaster" or kind in context.renderer.deep_types):
         return
     if any(product.has(attribute) for attribute in DRIVER_ATTRIBUTES):
         return
@@ -219,14 +237,21 @@ _PERHAPS_LAYERED = frozenset({".tif", ".tiff"})
 _ALPHA = ("a", "A", "alpha")
 
 
-@rule("too-many-vars-for-format", on=Settings, severity=Severity.WARNING, since="0.1")
+@rule(
+    "too-many-vars-for-format",
+    on=Settings,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("productName",),
+)
 def too_many_vars_for_format(settings: Settings, context: Context) -> Iterator[Finding]:
     """A product lists more vars than a file of its format holds."""
     for output in settings.outputs:
         product, extension = output.product, extension_of(output.product.first_name).lower()
+        if extension not in _SINGLE_IMAGE and extension not in _PERHAPS_LAYERED:
+            continue
         shown = [v for v in output.vars if v.live]
-        holds_one = (_SINGLE_IMAGE | _PERHAPS_LAYERED) - context.renderer.multi_channel_extensions
-        if extension not in holds_one or _is_one_image(shown):
+        if extension in context.renderer.multi_channel_extensions or _is_one_image(shown):
             continue
         if not product.live or any(product.has(name) for name in DRIVER_ATTRIBUTES):
             continue

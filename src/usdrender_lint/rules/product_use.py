@@ -8,7 +8,7 @@ from itertools import groupby
 from ..model import Attr, Output, Product, Rel, RenderPrim, RenderScope, Settings, Site, ValueState
 from ..rule import Context, Finding, Severity, rule
 from ._handful import handful
-from ._views import overrides, views
+from ._views import are_alike, overrides, views
 from ._words import joined, paths
 
 GROUP = "product"
@@ -20,10 +20,13 @@ GROUP = "product"
     severity=Severity.NOTE,
     since="0.1",
     supersedes=("unused-settings",),
+    about=("products",),
 )
 def shared_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Several RenderSettings render the same product."""
     first: dict[str, Settings] = {}
+    if len(scope.settings) < 2:
+        return
     rendered = _rendered_by_passes(scope)
     for settings in scope.settings:
         if not settings.live:
@@ -49,7 +52,7 @@ def _rendered_by_passes(scope: RenderScope) -> set[str]:
     return {t.path for p in scope.passes if p.live for t in p.render_source.targets[:1]}
 
 
-@rule("orphan-product", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule("orphan-product", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("products",))
 def orphan_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """No RenderSettings list a product, so nothing renders it."""
     rels = [s.products for s in scope.settings]
@@ -72,7 +75,7 @@ def _orphan_product(product: Product, settings: list[str]) -> Finding:
     )
 
 
-@rule("orphan-var", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule("orphan-var", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("orderedVars",))
 def orphan_var(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """No product lists a var, so nothing writes it."""
     rels = [p.ordered_vars for p in scope.products]
@@ -120,7 +123,7 @@ def _meant(rels: Iterable[Rel]) -> set[str]:
     return found
 
 
-@rule("per-product-view", on=RenderScope, severity=Severity.NOTE, since="0.1")
+@rule("per-product-view", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("products",))
 def per_product_view(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Products of one render differ in camera, resolution, data window or pixel aspect."""
     told: set[Site] = set()
@@ -133,6 +136,8 @@ def per_product_view(scope: RenderScope, context: Context) -> Iterator[Finding]:
 
 def _differing_views(settings: Settings) -> Finding | None:
     outputs = [o for o in settings.outputs if o.product.live]
+    if are_alike(outputs):
+        return None
     differing = [what for what, seen in views(outputs).items() if len(seen) > 1]
     own = (at for o in outputs for what, at in overrides(settings, o) if what in differing)
     at = next(own, None)

@@ -104,6 +104,7 @@ def _format_of(ratio: float) -> str:
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("products",),
 )
 def default_resolution(settings: Settings, context: Context) -> Iterator[Finding]:
     """No resolution is authored, so every renderer takes its own."""

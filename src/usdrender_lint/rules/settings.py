@@ -65,6 +65,7 @@ def sampled_override(scope: RenderScope, context: Context) -> Iterator[Finding]:
     severity=Severity.NOTE,
     since="0.1",
     default=False,
+    about=("products",),
 )
 def redundant_override(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A product repeats a value of its settings, and will not follow when that changes."""

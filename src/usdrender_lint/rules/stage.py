@@ -269,8 +269,10 @@ def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterato
 def no_render_settings(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """There are products or vars and no RenderSettings that could use them."""
     # A pass says itself that its render source is missing.
+    if scope.settings:
+        return
     prims = [p for p in (*scope.products, *scope.vars) if p.live]
-    if not prims or scope.settings or _may_be_settings(scope):
+    if not prims or _may_be_settings(scope):
         return
     if scope.passes and all(p.file_name.value for p in scope.passes):
         return  # the files of other applications say how to render
@@ -432,7 +434,14 @@ def _hidden(scope: RenderScope) -> dict[str, list[Target]]:
     return {hiding: list(targets.values()) for hiding, targets in found.items()}
 
 
-@rule("missing-frame-range", on=RenderScope, severity=Severity.NOTE, since="0.1", default=False)
+@rule(
+    "missing-frame-range",
+    on=RenderScope,
+    severity=Severity.NOTE,
+    since="0.1",
+    default=False,
+    about=("productName",),
+)
 def missing_frame_range(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Products are meant for a sequence, and the stage says no frames."""
     if scope.frames.start is not None and scope.frames.end is not None:
