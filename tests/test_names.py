@@ -6,14 +6,17 @@ import pytest
 
 from usdrender_lint.renderers import renderer
 from usdrender_lint.rules._names import (
+    _FRAME_TOKEN,
     extension_of,
     frame_number,
     frame_token,
     has_placeholder,
+    is_plain,
     quoted,
     without_expanded,
     without_tokens,
 )
+from usdrender_lint.rules.product_name import _DRIVE, _faults
 
 
 @pytest.mark.parametrize(
@@ -84,3 +87,21 @@ def test_what_a_renderer_expands() -> None:
 
 def test_control_characters_are_spelled_out() -> None:
     assert quoted("C:\renders") == "'C:\\x0denders'"
+
+
+def test_in_a_plain_name_nothing_is_found() -> None:
+    """It is not looked at again: so no character of it may be one that means something."""
+    plain = "".join(c for c in map(chr, range(1, 0x250)) if is_plain(c))
+    assert {*"/out/b_v012-final.0001.exr"} <= {*plain}
+    for odd in (plain, "a.F4.exr", "frame.0001.exr", "/d/04d.exr", "", ".", "..", "-"):
+        assert is_plain(odd)
+        assert _FRAME_TOKEN.search(odd) is None
+        assert not has_placeholder(odd)
+        assert list(_faults(odd)) == []
+        assert _DRIVE.match(odd) is None
+
+
+@pytest.mark.parametrize("mark", "$<{[@#% ~\\:*?|`'\"\n\r\t")
+def test_what_means_something_is_not_plain(mark: str) -> None:
+    assert not is_plain(f"/out/b{mark}.exr")
+    assert not is_plain(f"/out/b{mark}")

@@ -26,7 +26,7 @@ from usdrender_lint.read import read
 from usdrender_lint.read.text import Texts
 from usdrender_lint.registry import select
 from usdrender_lint.renderers import renderer
-from usdrender_lint.rule import Context, Finding, Severity, rule
+from usdrender_lint.rule import Context, Finding, Severity, once, rule
 from usdrender_lint.run import run, subjects_of
 from usdrender_lint.stage import open_stage
 from usdrender_lint.testing import BASE, HEADER, lint_files
@@ -123,6 +123,27 @@ def test_a_rule_that_raises_at_once_is_a_crash_too() -> None:
 
     said, crashes = messages(replace(about_layers, check=at_once))
     assert (said, len(crashes)) == ([], 2)
+
+
+def test_what_rules_ask_is_answered_once_for_each_subject() -> None:
+    asked = []
+
+    @once
+    def name_of(layer: Layer, context: Context) -> str:
+        asked.append(layer.path)
+        return layer.path
+
+    @once
+    def length_of(layer: Layer, context: Context) -> int:
+        return len(layer.path)
+
+    first, second = LAYERS
+    context = Context(renderer("any"))
+    answers = [name_of(one, context) for one in (first, first, second, replace(second))]
+    assert answers == ["a.usda", "a.usda", "b.usda", "b.usda"]
+    assert asked == ["a.usda", "b.usda", "b.usda"]  # what is equal need not be the same
+    assert (length_of(second, context), name_of(second, Context(renderer("any")))) == (6, "b.usda")
+    assert len(asked) == 4
 
 
 def test_an_interrupt_is_no_crash() -> None:

@@ -98,9 +98,7 @@ def _choose(scope: RenderScope) -> str:
     return "write rel camera = </path/of/the/camera> on the settings"
 
 
-@rule(
-    "multiple-cameras", on=SettingsBase, severity=Severity.WARNING, since="0.1", about=("camera",)
-)
+@rule("multiple-cameras", on=SettingsBase, severity=Severity.WARNING, since="0.1")
 def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
     """The camera relationship names several prims, and only the first is used."""
     targets = prim.camera.targets
