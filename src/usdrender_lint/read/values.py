@@ -25,6 +25,11 @@ _attribute_type = Usd.Attribute.GetTypeName
 _get = Usd.Attribute.Get
 
 
+_EDITS = frozenset(getattr(Vt, name) for name in dir(Vt) if name.endswith("ArrayEdit"))
+"""What `edit [append "x"]` is: not an array, but what becomes of that of a weaker layer."""
+_EDIT = "edit [...]"
+
+
 def plain_text(value: Any) -> str:
     return str(value)
 
@@ -75,6 +80,10 @@ def read_attr(
         # Only what is passed over makes another opinion than the strongest count.
         site = Site(site.path, "default", None, spec.layer.identifier, str(spec.path))
     value, state = fallback, ValueState.FALLBACK
+    if type(said) in _EDITS:
+        said = _get(attribute)
+        if type(said) in _EDITS or said is None:  # before 26.05, which reads none
+            spec, unread = None, unread or _EDIT
     if isinstance(said, Sdf.ValueBlock):
         value, state = empty, ValueState.BLOCKED
     elif spec is not None:
@@ -146,6 +155,8 @@ def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
 def _as_text(value: Any, is_array: bool) -> str:
     if value is None:
         return ""
+    if type(value) in _EDITS:
+        return _EDIT
     if is_array:
         return f"[{len(value)}]"  # nobody reads it, and it may be long
     if isinstance(value, bool):
@@ -157,7 +168,8 @@ def _samples(attribute: Usd.Attribute, plain: Callable[[Any], T]) -> tuple[tuple
     found = []
     for time in attribute.GetTimeSamples():
         value = attribute.Get(time)
-        if value is not None and not isinstance(value, Sdf.AssetPath):
+        readable = value is not None and type(value) not in _EDITS
+        if readable and not isinstance(value, Sdf.AssetPath):
             found.append((float(time), plain(value)))
     return tuple(found)
 
