@@ -65,7 +65,7 @@ def package(
         ),
         (
             "#usda 1.0\ndef Scope \u201cRender\u201d {\n}\n",
-            "this is no usda, found 'def': the line holds a curly quote",
+            'quotes are straight, as in "name": the line holds a curly quote',
             2,
         ),
         (
@@ -121,7 +121,7 @@ def test_text_in_utf_16_is_told_as_such(tmp_path: Path, encoding: str) -> None:
 @pytest.mark.parametrize(
     ("data", "message", "line"),
     [
-        (b'#usda 1.0\ndef "A"\n{\n  what\n}\n', "expected }, found 'what'", 4),
+        (b'#usda 1.0\ndef "A"\n{\n  what\n}\n', "'what' begins no statement that USD can read", 4),
         (b"#usda 1.0\n# caf\xe9\n", "the text is not UTF-8 from here on", 2),
         (b"# a comment\n", "the first line is not '#usda 1.0'", 1),
         (ILL_FORMED.encode(), "ill-formed path expression '//{', at its end: something is left open", 4),

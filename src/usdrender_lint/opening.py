@@ -18,6 +18,7 @@ from .lazily import lazily
 from .model import Site
 from .packages import bytes_of, first_member, split_package
 from .records import dataclass
+from .unread import closing, samples, statement, string
 
 _FOLDER = "a folder"
 _SMALL, _SMALL_CRATE = 1_000_000, 100_000
@@ -241,6 +242,18 @@ _OF_PROPERTY = lazily(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
 _COMPONENTS = lazily(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
 _QUOTING = lazily(r" due to ':\d+:\d+: .*?'")
 _PACKED = lazily(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
+_RULES = {
+    "::RightAngleBracket": "expected a path and >",
+    "_PathParser::": "this is no path",
+    "::ListValueClose": "expected a comma or ]",
+    "::TimeSampleMap": "these are no time samples, each of which is written as time: value",
+    "Expected ]": "expected a comma or ]",
+    "Type name has [] for non-shaped value": "the type is an array, and the value has no brackets",
+    "Duplicate items exist for field 'targetPaths'": "a target stands twice in the list",
+    " for dictionary": "an entry of a dictionary is written as type name = value",
+}
+"""What to say for a sentence of USD that holds this."""
+_LIST_OF_ASSETS = lazily(rb"\b(?:subLayers|references|payload)\s*=\s*\[[^\[\]]*\Z")
 _CONFLICT = ("<<<<<<<", "=======", ">>>>>>>")
 _QUOTED = lazily(r"\"[^\"]*\"|'[^']*'")
 _STRANGE = {
@@ -307,10 +320,60 @@ def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
     match = next(named, None) or next(iter(places), None)
     if match is None:
         return None
+    is_here = name in match.string[: match.start()]
     what = _QUOTING.sub("", match[3].strip())
     near = _NEAR.fullmatch(what)
-    told = _sentence(near[1], near[2]) if near else _sentence(what, "")
+    expected, found = (near[1], near[2]) if near else (what, "")
+    data = _text_in(file)[0] if is_here else None
+    at = _offset(data, int(match[1]), int(match[2])) if data else -1
+    if data and at >= 0 and (wrong := _wrong_at(data, at, expected, found)):
+        return ParseProblem(file, _strange(wrong[0], found), *_place(data, wrong[1]))
+    told = _sentence(_more_exact(said) or expected, found)
     return ParseProblem(file, told, int(match[1]), int(match[2]))
+
+
+def _offset(data: bytes, line: int, column: int) -> int:
+    """-1 if there is no such line."""
+    start = 0
+    for _ in range(line - 1):
+        start = data.find(b"\n", start) + 1
+        if not start:
+            return -1
+    return min(start + column - 1, len(data))
+
+
+def _place(data: bytes, at: int) -> tuple[int, int]:
+    return data.count(b"\n", 0, at) + 1, at - data.rfind(b"\n", 0, at)
+
+
+def _wrong_at(data: bytes, at: int, expected: str, found: str) -> tuple[str, int] | None:
+    """What the text tells where USD only names a rule of its parser, or the end of what it is in."""
+    expected = expected.strip()
+    if found.startswith(_CONFLICT):
+        return None
+    if "until<" in expected:
+        what = "an asset path" if "::At," in expected else "a string"
+        return f"{what} is not closed", string(data, at)
+    if expected == "Expected }" or "internal::eof" in expected:
+        return statement(data, at)
+    if "::TimeSampleMap" in expected:
+        begin = data.rfind(b"\n", 0, at) + 1
+        begin += len(data[begin:at]) - len(data[begin:at].lstrip())
+        return samples(data, at) if data[at : at + 1] == b"{" else statement(data, begin)
+    if expected == "Expected ]" and found[:1] in "\"'" and _LIST_OF_ASSETS.search(data[:at]):
+        return "an asset stands between two @, as in @layer.usda@", at
+    if expected in ("Expected ]", "Expected )") and (told := closing(data, at, expected[-1])):
+        return f"{told}, found '{found.split()[0][:40]}'" if found else told, at
+    return None
+
+
+def _more_exact(said: list[str]) -> str | None:
+    """A sentence before the one that tells the place may say why."""
+    if any("Not enough values" in one for one in said):
+        if match := next(filter(None, map(_COMPONENTS.search, said)), None):
+            return match[0]
+        return "the value has fewer components than its type"
+    return None
 
 
 def _sentence(expected: str, near: str) -> str:
@@ -319,9 +382,8 @@ def _sentence(expected: str, near: str) -> str:
     word = next(iter(near.split()), "")
     if word.startswith(_CONFLICT):
         return f"a merge conflict is left here, found '{word[:40]}'"
-    if "until<" in expected and not word:
-        what = "an asset path" if "::At," in expected else "a string"
-        expected = f"{what} is not closed"
+    rules = ((words, rule) for rule, words in _RULES.items() if rule in expected)
+    expected = next((words for words, _ in rules), expected)
     if "::" in expected or "pxrInternal" in expected:  # a rule of the parser, by its C++ name
         expected = "this is no usda"
     if "simple value" in expected:
@@ -332,9 +394,13 @@ def _sentence(expected: str, near: str) -> str:
         # USD makes a relative path absolute, and then takes offence at what it made.
         return "a target can neither hold a variant selection nor, within a variant, be relative"
     expected = (expected[:1].lower() + expected[1:]).rstrip(".")
-    found = "found" if expected.startswith(("expected", "this")) else "near"
-    told = f"{expected}, {found} '{word[:40]}'" if word else expected
-    strange = next((what for c, what in _STRANGE.items() if c in _QUOTED.sub("", near)), "")
+    found = "found" if expected.startswith(("expected", "this", "the ")) else "near"
+    told = f"{expected}, {found} '{word[:40]}'" if word not in ("", "=") else expected
+    return _strange(told, near)
+
+
+def _strange(told: str, line: str) -> str:
+    strange = next((what for c, what in _STRANGE.items() if c in _QUOTED.sub("", line)), "")
     return f"{told}: the line holds {strange}" if strange else told
 
 
