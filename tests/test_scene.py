@@ -155,6 +155,46 @@ def test_what_does_not_bind_a_material_for_a_purpose_is_no_binding(
     assert messages(lint_text(tmp_path, text, "unshaded-by-purpose")) == {}
 
 
+HEAD = 'def Sphere "head"\n        {\n'
+VALUE = "            int primvars:object_id = 1\n"
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (HEAD, HEAD + "            # primvars:object_id\n"),
+        (HEAD, HEAD + '            string note = "primvars:object_id"\n'),
+        (HEAD, HEAD + VALUE.replace("_id", "_ids")),
+        (HEAD, HEAD + VALUE.replace(" = 1", "")),
+        (HEAD, HEAD + VALUE.replace("1", "None")),
+        (HEAD, HEAD.replace("\n", " (\n            active = false\n        )\n", 1) + VALUE),
+        ('def Material "mtl"\n    {\n', f'class "mtl"\n    {{\n{VALUE}'),
+    ],
+)
+def test_a_primvar_that_is_only_spoken_of(tmp_path: Path, before: str, after: str) -> None:
+    assert before in STAGE
+    found = messages(lint_text(tmp_path, STAGE.replace(before, after), "unknown-primvar"))
+    assert found == {"unknown-primvar": "no prim of the scene has a primvar 'object_id'"}
+
+
+@pytest.mark.parametrize(
+    ("before", "after"),
+    [
+        (HEAD, HEAD + VALUE),
+        (HEAD, HEAD + VALUE.replace(" = 1", ".timeSamples = { 1: 2 }")),
+        (HEAD, HEAD.replace("def Sphere", "over") + VALUE),
+        ('"object_id"', '"normals"'),
+        (HEAD, f'def "copy" (\n        instanceable = true\n        references = </World/one>\n    )\n    {{\n    }}\n    {HEAD}'),
+    ],
+)  # fmt: skip
+def test_a_primvar_that_some_prim_has(tmp_path: Path, before: str, after: str) -> None:
+    one = f'class "one"\n    {{\n        def Sphere "ball"\n        {{\n{VALUE}        }}\n    }}\n'
+    text = STAGE.replace(before, after)
+    if "</World/one>" in after:
+        text = text.replace('def Camera "cam"', f'{one}    def Camera "cam"')
+    assert messages(lint_text(tmp_path, text, "unknown-primvar")) == {}
+
+
 def test_the_words_of_a_crate_are_unpacked_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

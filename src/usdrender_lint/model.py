@@ -896,7 +896,7 @@ class Scene:
     purposes: tuple[PurposeUse, ...]
     bindings: tuple[BindingUse, ...]
     primvars: frozenset[str]
-    """Those that vars ask for and some layer mentions."""
+    """Those that vars ask for and some prim has."""
     passes: tuple[PassView, ...]
     """Of live passes with a renderVisibility, in a scene with lights."""
     referenced_defaults: tuple[MetadataOpinion, ...]

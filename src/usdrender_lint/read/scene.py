@@ -6,7 +6,7 @@ layers do not mention at all, by their text or their tokens, is not walked for.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import field
 from functools import cache
 from typing import TypeVar
@@ -29,6 +29,9 @@ from .metadata import KEY, opinion_of
 from .text import text_of
 
 T = TypeVar("T")
+
+_GIVEN = frozenset({"accelerations", "normals", "points", "velocities", "widths"})
+"""What geometry hands to a renderer as a primvar, though no layer calls it one."""
 
 _LIGHT_TYPES = frozenset(
     {
@@ -61,7 +64,7 @@ def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
         scope,
         tuple(PurposeUse(p, seen.count, _site(seen)) for p, seen in walked.purposes.items()),
         tuple(BindingUse(b, seen.count, _site(seen)) for b, seen in walked.bindings.items()),
-        frozenset(name for name in primvars if words.mention(_primvar(name))),
+        frozenset(_primvars(stage, primvars, words)),
         tuple(_pass_view(stage, one, walked) for one in watching if walked.lights),
         tuple(
             opinion_of(layer, counts=False)
@@ -69,6 +72,25 @@ def read_scene(stage: Usd.Stage, scope: RenderScope) -> Scene:
             if layer.pseudoRoot.HasInfo(KEY)
         ),
     )
+
+
+def _primvars(stage: Usd.Stage, asked: Iterable[str], words: _Words) -> Iterator[str]:
+    """Those of which some prim has a value."""
+    # As for what a renderer draws: the prototypes of an instancer may stand in an `over`.
+    drawn = Usd.PrimIsActive & Usd.PrimIsLoaded & ~Usd.PrimIsAbstract
+    tops = [*stage.GetPseudoRoot().GetFilteredChildren(drawn), *stage.GetPrototypes()]
+    has = Usd.Prim.HasAttribute
+    for name in asked:
+        attribute = _primvar(name)
+        if name in _GIVEN or (
+            words.mention(attribute)
+            and any(
+                has(prim, attribute) and prim.GetAttribute(attribute).HasAuthoredValue()
+                for top in tops
+                for prim in Usd.PrimRange(top, drawn)
+            )
+        ):
+            yield name
 
 
 class _Words:

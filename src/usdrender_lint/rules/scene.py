@@ -89,7 +89,7 @@ def unknown_primvar(scene: Scene, context: Context) -> Iterator[Finding]:
         if name not in scene.primvars:
             yield Finding(
                 var.source_name,
-                f"no layer of the scene has a primvar '{name}'",
+                f"no prim of the scene has a primvar '{name}'",
                 label="no such primvar",
                 help="correct the name; a procedural that makes it at render time is a reason to ignore this",
             )
