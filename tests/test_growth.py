@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pxr import Pcp, Sdf
 
-from usdrender_lint.likeness import most_alike
+from usdrender_lint.likeness import is_like, likeness, most_alike
 from usdrender_lint.read.patterns import Op, tree
 from usdrender_lint.testing import lint_files
 
@@ -141,6 +141,11 @@ def test_a_long_list_is_asked_only_about_what_is_near() -> None:
 
 
 NAMES = st.text("abcXY_1", min_size=1, max_size=8)
+
+
+@given(NAMES, NAMES, st.sampled_from([0.0, 0.25, 0.5, 0.75, 0.8, 1.0]))
+def test_names_are_as_like_as_a_full_comparison_finds(one: str, other: str, least: float) -> None:
+    assert is_like(one, other, least) is (likeness(one, other) >= least)
 
 
 @given(NAMES, st.lists(NAMES, max_size=30), st.integers(1, 5))

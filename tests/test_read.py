@@ -23,7 +23,7 @@ from usdrender_lint.model import (
     Var,
 )
 from usdrender_lint.opening import open_layer
-from usdrender_lint.read import read
+from usdrender_lint.read import read, strays
 from usdrender_lint.read.text import Texts
 from usdrender_lint.renderers import choose
 from usdrender_lint.run import subjects_of
@@ -770,6 +770,18 @@ class TestRelativeTargets:
 
 
 class TestStrays:
+    @pytest.fixture(autouse=True, params=[True, False], ids=["walked", "by text and tables"])
+    def _small(self, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+        """Little layers are walked: let half of the tests take all of them for large ones."""
+        if not request.param:
+            monkeypatch.setattr(strays, "_FEW", -1)
+
+    def test_however_many_specs_there_are(self, scope: Read) -> None:
+        for number in (strays._FEW - 5, strays._FEW + 5):
+            others = "".join(f'def "o{n}" {{\n}}\n' for n in range(number))
+            assert self.paths(scope(render() + others + 'def RenderVar "v" {\n}\n')) == ["/v"]
+            assert self.paths(scope(render() + others)) == []
+
     def paths(self, found: RenderScope) -> list[str]:
         return [s.path for s in found.strays]
 
@@ -986,6 +998,12 @@ class TestDefault:
         default = scope(f"(\n    {self.KEY} = {value}\n)\n" + render()).default
         assert default.problem == problem
         assert (default.target is None) is (problem is not None or value == '""')
+
+    def test_only_of_a_broken_one_it_is_asked_what_was_meant(self, scope: Read) -> None:
+        for path, meant in (("/Render/S", []), ("/Render/T", ["/Render/S"])):
+            target = scope(f'(\n    {self.KEY} = "{path}"\n)\n' + render()).default.target
+            assert target is not None
+            assert [c.path for c in target.candidates] == meant
 
     def test_sublayers_do_not_count(self, scope: Read) -> None:
         default = scope(

@@ -499,6 +499,11 @@ def "P"
         edits = layer.GetRelationshipAtPath("/A.targets").targetPathList
         assert sorted(edits.GetAddedOrExplicitItems()) == ["/B", "/C"]
 
+    def test_there_is_one_object_for_each_value_of_an_enumeration(self, folder: Folder) -> None:
+        layer = Sdf.Layer.FindOrOpen(folder.write("main.usda", 'def "A" {\n uniform token a\n}\n'))
+        assert layer.GetPrimAtPath("/A").specifier is Sdf.SpecifierDef
+        assert layer.GetAttributeAtPath("/A.a").variability is Sdf.VariabilityUniform
+
     def test_children_come_in_the_order_of_a_range(self, folder: Folder) -> None:
         stage = folder.stage(self.TEXT)
         root = stage.GetPseudoRoot()

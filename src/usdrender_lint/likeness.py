@@ -13,6 +13,14 @@ def likeness(one: str, other: str) -> float:
     return SequenceMatcher(None, one.lower(), other.lower()).ratio()
 
 
+def is_like(one: str, other: str, least: float) -> bool:
+    """Whether the likeness is as great as that. Most names have not even the letters for it."""
+    one, other = one.lower(), other.lower()
+    common = sum([min(one.count(letter), other.count(letter)) for letter in {*one}])
+    most = 2.0 * common / (len(one) + len(other))
+    return most >= least and likeness(one, other) >= least
+
+
 def most_alike(name: str, known: Iterable[str], most: int) -> list[tuple[float, str]]:
     """The names most like one, best first, equally alike ones by the alphabet.
 

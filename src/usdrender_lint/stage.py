@@ -128,10 +128,12 @@ class _Search:
             path = pending.pop()
             if path in self._followed:
                 continue
-            wanted.add(path)
+            populated = stage.GetPrimAtPath(path.GetPrimPath())
+            if not populated:
+                wanted.add(path)
             if not path.IsPropertyPath():
                 continue
-            if stage.GetPrimAtPath(path.GetPrimPath()):
+            if populated:
                 self._followed.add(path)
                 relationship = relationship_at(stage, path)
                 pending += targets_of(relationship) if relationship else []

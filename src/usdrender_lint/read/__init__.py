@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from typing import Any, TypeVar
 
 from pxr import Sdf, Usd
@@ -12,11 +11,13 @@ from ..model import (
     EXPECTED,
     RENDER_TYPES,
     Attr,
+    DefaultSettings,
     FrameRange,
     OtherPrim,
     Output,
     Pass,
     Product,
+    Rel,
     RenderPrim,
     RenderScope,
     ScopePrim,
@@ -39,6 +40,7 @@ from .members import widen_to_members
 from .metadata import authored_default, default_path, read_default
 from .parts import Definitions, Part, read_part
 from .prims import Asked, state_of, type_is_known
+from .properties import read_properties
 from .strays import stray_paths
 from .targets import Targets
 from .text import Texts
@@ -50,7 +52,6 @@ from .values import (
     plain_tokens,
     read_attr,
     read_extras,
-    read_properties,
 )
 
 T = TypeVar("T")
@@ -60,15 +61,15 @@ def read(opened: Opened, texts: Texts) -> RenderScope:
     """The render spec of a stage that `open_stage` opened; widens its mask as needed."""
     stage = opened.stage
     strays = stray_paths(opened)
-    default = default_path(authored_default(stage))
+    said = authored_default(stage)
+    default = default_path(said)
     widen_to_targets(opened, [*strays, *([default] if default else [])])
     widen_to_members(opened)
     failures = Failures(opened)
     part = read_part(opened, default)
     targets = Targets(opened, failures, texts, part)
-    if default:
-        targets.suggest(Sdf.Path(default), "RenderSettings")
-    return _Reader(opened, failures, targets, texts, part).scope(strays)
+    settings = read_default(stage, said, default, targets)
+    return _Reader(opened, failures, targets, texts, part).scope(strays, settings)
 
 
 class _Reader:
@@ -85,7 +86,7 @@ class _Reader:
         self._vars: dict[str, Var] = {}
         self._prims = targets.prims
 
-    def scope(self, strays: list[str]) -> RenderScope:
+    def scope(self, strays: list[str], default: DefaultSettings) -> RenderScope:
         rendered = self._prims.rendered
         self._vars = {p.path: self._var(p) for p in rendered if "RenderVar" in p.kinds}
         self._products = {p.path: self._product(p) for p in rendered if "RenderProduct" in p.kinds}
@@ -110,7 +111,7 @@ class _Reader:
             passes,
             (*self._others(), *self._misspelt(strays)),
             tuple(s for path in outside if (s := self._stray(path))),
-            read_default(self._opened, self._targets),
+            default,
             self._failures.errors(_essential(everything, self._opened.scopes)),
             read_evidence(self._stage, self._prims),
             frames,
@@ -185,7 +186,7 @@ class _Reader:
         base = self._base(prim)
         rendering_color_space = read_attr(prim, "renderingColorSpace", plain_text, "")
         color_space, color_space_names = read_color_space(prim.prim, rendering_color_space)
-        settings = Settings(
+        return Settings(
             **common,
             **base,
             camera=camera,
@@ -195,28 +196,24 @@ class _Reader:
             rendering_color_space=rendering_color_space,
             color_space=color_space,
             color_space_names=color_space_names,
-            outputs=(),
+            outputs=tuple(self._outputs(prim.path, camera, products, base)),
         )
-        return replace(settings, outputs=tuple(self._outputs(settings)))
 
-    def _outputs(self, settings: Settings) -> Iterator[Output]:
-        for target in settings.products.targets:
+    def _outputs(
+        self, settings: str, camera: Rel, products: Rel, base: dict[str, Attr[Any]]
+    ) -> Iterator[Output]:
+        for target in products.targets:
             if product := self._products.get(target.path):
                 ordered = (self._vars.get(t.path) for t in product.ordered_vars.targets)
                 yield Output(
-                    settings.path,
-                    product,
-                    product.camera if product.camera.targets else settings.camera,
-                    _effective(product.resolution, settings.resolution),
-                    _effective(product.pixel_aspect_ratio, settings.pixel_aspect_ratio),
-                    _effective(
-                        product.aspect_ratio_conform_policy, settings.aspect_ratio_conform_policy
-                    ),
-                    _effective(product.data_window_ndc, settings.data_window_ndc),
-                    _effective(product.disable_motion_blur, settings.disable_motion_blur),
-                    _effective(product.disable_depth_of_field, settings.disable_depth_of_field),
-                    _effective(product.instantaneous_shutter, settings.instantaneous_shutter),
-                    tuple(v for v in ordered if v is not None),
+                    settings=settings,
+                    product=product,
+                    camera=product.camera if product.camera.targets else camera,
+                    vars=tuple(v for v in ordered if v is not None),
+                    **{
+                        name: _effective(getattr(product, name), inherited)
+                        for name, inherited in base.items()
+                    },
                 )
 
     def _pass(self, asked: Asked, needed: frozenset[str]) -> Pass:

@@ -112,9 +112,9 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
 
 def _attr(asked: Asked, name: str, plain: Callable[[Any], T]) -> Attr[T]:
     """A blocked value is the fallback: cameras are read at the frame, where a block leaves it be."""
-    schema = asked.schema.attribute(name)
-    assert schema is not None, "cameras have all of these"  # noqa: S101 for mypy
-    return read_attr(asked, name, plain, plain(schema.default))
+    declared = asked.schema.attribute(name)
+    assert declared is not None, "cameras have all of these"  # noqa: S101 for mypy
+    return read_attr(asked, name, plain, asked.schema.fallback(name, plain, declared.default))
 
 
 def _varies(asked: Asked, attr: Attr[Any]) -> bool:

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any
 
 from pxr import Sdf, Usd
 
-from ..likeness import likeness
+from ..likeness import is_like
 from ..model import DefaultSettings, MetadataOpinion, Site
 from ..opening import DamagedError
-from ..stage import Opened
 from .targets import Targets
 
 KEY = "renderSettingsPrimPath"
@@ -34,23 +32,24 @@ def default_path(opinion: MetadataOpinion | None) -> str | None:
     return opinion.value
 
 
-def read_default(opened: Opened, targets: Targets) -> DefaultSettings:
-    stage = opened.stage
-    opinion = authored_default(stage)
+def read_default(
+    stage: Usd.Stage, opinion: MetadataOpinion | None, path: str | None, targets: Targets
+) -> DefaultSettings:
+    """`opinion` and `path`: what the two functions above tell."""
     weaker = [
         opinion_of(layer, counts=False)
         for layer in stage.GetLayerStack(includeSessionLayers=False)[1:]
         if layer.pseudoRoot.HasInfo(KEY)
     ]
-    path = default_path(opinion)
     target = None
     if path is not None and opinion is not None:
-        target = targets.one(path, replace(opinion.site, target=path), "RenderSettings")
+        site = Site("/", KEY, path, opinion.site.layer)
+        target = targets.suggested(path, site, "RenderSettings")
     return DefaultSettings(
         opinion,
         tuple(weaker),
         tuple(_misspelled(stage)),
-        _problem(opinion.value) if opinion else None,
+        _problem(opinion.value) if opinion and path is None else None,
         target,
     )
 
@@ -122,4 +121,4 @@ def _strings_in(data: dict[str, Any], above: str = "") -> Iterator[tuple[str, st
 def _looks_like(key: str, *, or_equal: bool) -> bool:
     if key == KEY:
         return or_equal
-    return likeness(key, KEY) >= _SIMILAR
+    return is_like(key, KEY, _SIMILAR)

@@ -44,28 +44,33 @@ class Definitions:
 
     def __init__(self, types: tuple[str, ...]) -> None:
         self._types = types
-        self._known: dict[tuple[str, Sdf.Path], bool] = {}
+        self._layers: dict[str, dict[Sdf.Path, bool]] = {}
 
     def hold(self, stack: list[Sdf.PrimSpec]) -> bool:
         return any(map(self._holds, stack))
 
     def _holds(self, top: Sdf.PrimSpec) -> bool:
-        layer = top.layer.identifier
-        if (layer, top.path) in self._known:
-            return self._known[layer, top.path]
-        met, pending = [], [top]
+        known = self._layers.setdefault(top.layer.identifier, {})
+        if top.path in known:
+            return known[top.path]
+        met: list[tuple[Sdf.Path, int]] = []
+        """Paths, and the number of the one above."""
+        holding = list[bool]()
+        pending = [(top, 0)]
         while pending:
-            spec = pending.pop()
-            defines = spec.specifier == Sdf.SpecifierDef and spec.typeName in self._types
-            met.append((spec.path, self._known.get((layer, spec.path), defines)))
-            if (layer, spec.path) not in self._known:
-                pending.extend(children_of(spec))
-        holding = set[Sdf.Path]()
-        for path, defines in reversed(met):  # what is below comes before
-            self._known[layer, path] = defines or path in holding
-            if self._known[layer, path]:
-                holding.add(path.GetParentPath())
-        return self._known[layer, top.path]
+            spec, above = pending.pop()
+            path = spec.path
+            found = known.get(path)
+            if found is None:
+                found = spec.typeName in self._types and spec.specifier is Sdf.SpecifierDef
+                pending += [(child, len(met)) for child in children_of(spec)]
+            met.append((path, above))
+            holding.append(found)
+        for number in range(len(met) - 1, -1, -1):  # what is below comes before
+            path, above = met[number]
+            known[path] = holding[number]
+            holding[above] = holding[above] or holding[number]
+        return known[top.path]
 
 
 def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...], roots: list[Sdf.PrimSpec]) -> bool:
@@ -79,7 +84,7 @@ def _only_overrides(stage: Usd.Stage, scopes: tuple[str, ...], roots: list[Sdf.P
 def _defined_roots(stage: Usd.Stage) -> list[Sdf.PrimSpec]:
     layers = stage.GetLayerStack(includeSessionLayers=False)
     roots = (root for layer in layers for root in there(layer.rootPrims))
-    return [root for root in roots if root.specifier == Sdf.SpecifierDef]
+    return [root for root in roots if root.specifier is Sdf.SpecifierDef]
 
 
 def _is_group_of_render_prims(root: Sdf.PrimSpec) -> bool:

@@ -43,9 +43,9 @@ class Declared:
     allowed: tuple[str, ...]
     """The tokens that it may hold, where it may not hold any."""
 
-    def fits(self, written: Sdf.ValueTypeName, spelt: str) -> bool:
-        """A typed read takes a value of that type."""
-        return spelt == self.type_name or same_storage(written, self.type)
+    def takes(self, said: Opinion) -> bool:
+        """A typed read takes a value of the type that the opinion has."""
+        return said.type_name == self.type_name or same_storage(said.type, self.type)
 
 
 class Schema:
@@ -93,7 +93,7 @@ def _declared(spec: Sdf.AttributeSpec | None) -> Declared | None:
         spec.typeName,
         str(spec.typeName),
         spec.default,
-        spec.variability == Sdf.VariabilityUniform,
+        spec.variability is Sdf.VariabilityUniform,
         tuple(map(str, items(tokens))) if tokens else (),
     )
 
@@ -107,11 +107,28 @@ _schemas: dict[tuple[str, ...], Schema] = {}
 """By the type of a prim and all that is applied to it."""
 
 
+class Opinion:
+    """What one layer says about a property, as far as several readers want to know it."""
+
+    __slots__ = ("has_default", "is_relationship", "spec", "type", "type_name")
+
+    def __init__(self, spec: Sdf.PropertySpec) -> None:
+        self.spec = spec
+        self.is_relationship = isinstance(spec, Sdf.RelationshipSpec)
+        self.has_default = False
+        self.type: Any = None
+        self.type_name = ""
+        if not self.is_relationship:
+            self.has_default = spec.HasInfo("default")
+            self.type = spec.typeName
+            self.type_name = str(self.type)
+
+
 class Asked:
     """A prim, and what more than one question about it begins with."""
 
     __slots__ = (
-        "_schema", "_specs", "at", "authored", "kinds", "path", "prim", "stack", "state", "type_name",
+        "_only", "_opinions", "_schema", "at", "authored", "kinds", "path", "prim", "stack", "state", "type_name",
     )  # fmt: skip
 
     def __init__(self, prim: Usd.Prim, path: str = "") -> None:
@@ -124,8 +141,9 @@ class Asked:
         self.stack: list[Sdf.PrimSpec] = _stack(prim)
         self.authored = dict.fromkeys(_names(prim))
         """Names of properties, in the order of USD."""
-        self._specs: dict[str, list[Sdf.PropertySpec]] = {}
+        self._opinions: dict[str, list[Opinion]] = {}
         self._schema: Schema | None = None
+        self._only: tuple[str, str] | None = None
 
     @property
     def is_render_prim(self) -> bool:
@@ -156,12 +174,23 @@ class Asked:
             self._schema = _schemas[schemas]
         return self._schema
 
-    def specs(self, name: str) -> list[Sdf.PropertySpec]:
-        """The opinions about one of its properties, strongest first."""
-        found = self._specs.get(name)
+    def opinions(self, name: str) -> list[Opinion]:
+        """About one of its properties, strongest first."""
+        found = self._opinions.get(name)
         if found is None:
-            found = self._specs[name] = _property_stack(_property(self.prim, name))
+            stack = _property_stack(_property(self.prim, name))
+            found = self._opinions[name] = [Opinion(spec) for spec in stack]
         return found
+
+    def where(self, one: Opinion, name: str) -> tuple[str, str]:
+        """The layer that has the opinion about a property, and its path there."""
+        if len(self.stack) != 1:
+            return one.spec.layer.identifier, str(one.spec.path)
+        if self._only is None:
+            (only,) = self.stack
+            self._only = only.layer.identifier, str(only.path)
+        layer, path = self._only
+        return layer, f"{path}.{name}"
 
 
 class Prims:

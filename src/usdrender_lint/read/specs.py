@@ -32,7 +32,8 @@ def items(listed: Listed[_Item]) -> list[_Item]:
 
 def there(specs: Listed[_Spec | None]) -> list[_Spec]:
     found = []
-    for spec in items(specs):
+    for index in range(len(specs)):
+        spec = specs[index]
         if spec is None:
             raise DamagedError("it lists a prim or variant that is not there")
         found.append(spec)
@@ -45,8 +46,10 @@ def children_of(spec: Sdf.PrimSpec) -> list[Sdf.PrimSpec]:
 
 def variants_of(spec: Sdf.PrimSpec) -> list[Sdf.PrimSpec]:
     """The prims of all variants of all variant sets."""
-    sets = there(spec.variantSets)
-    return there([v.primSpec for one in sets for v in there(one.variants)])
+    found = []
+    for one in there(spec.variantSets):
+        found += [variant.primSpec for variant in there(one.variants)]
+    return there(found) if found else found
 
 
 def look_through(layer: Sdf.Layer) -> None:

@@ -15,7 +15,7 @@ from ..sites import node_of, out_of_namespace_of
 from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
 from .arcs import Failures
 from .parts import Part
-from .prims import Asked, Prims, state_of, type_is_known
+from .prims import Asked, Opinion, Prims, state_of, type_is_known
 from .specs import children_of, there
 from .text import Texts
 
@@ -97,14 +97,14 @@ class Targets:
             if last not in targets:
                 entry = Site(path, "targetPaths", str(first))
                 targets[last] = self._target(prim, last, via, entry, expected)
-        specs = prim.specs(name)
+        said = prim.opinions(name)
         return Rel(
             name,
             site,
-            any(spec.HasInfo("targetPaths") for spec in specs),
+            any(one.spec.HasInfo("targetPaths") for one in said),
             tuple(targets.values()),
-            tuple(self._lost(prim, path, specs)) if prim.has_arcs else (),
-            tuple(_clobbered(prim, path, specs, followed.raw)) if len(specs) > 1 else (),
+            tuple(_lost(prim, path, said)) if prim.has_arcs else (),
+            tuple(_clobbered(prim, path, said, followed.raw)) if len(said) > 1 else (),
             maybe_more=hidden,
             forwarding=tuple(sorted(map(str, followed.through))),
             dead_ends=() if targets else tuple(self._dead_ends(followed.raw)),
@@ -167,6 +167,14 @@ class Targets:
             candidates=candidates,
             only_in=self._variant_with(Sdf.Path(path)) if found.state is State.MISSING else "",
         )
+
+    def suggested(self, path: str, site: Site, expected: str) -> Target:
+        """As `one`, and where it is broken prims that may have been meant."""
+        at = Sdf.Path(path)
+        found = self._look(at)
+        if found.state is not State.LIVE or expected not in found.isa:
+            self._suggest(at, expected)
+        return self.one(path, site, expected)
 
     def _target(
         self,
@@ -283,24 +291,6 @@ class Targets:
                 return prim
         return self._stage.GetPseudoRoot()
 
-    @staticmethod
-    def _lost(owner: Asked, path: str, specs: list[Sdf.PropertySpec]) -> Iterator[Lost]:
-        prim = owner.prim
-        for spec in specs:
-            if not isinstance(spec, Sdf.RelationshipSpec):
-                continue
-            operation = spec.targetPathList
-            for written in operation.GetAddedOrExplicitItems():
-                if out_of_namespace_of(prim, spec, written).isEmpty:
-                    layer, entry = spec.layer.identifier, str(written)
-                    site = Site(path, "targetPaths", entry, layer, str(spec.path))
-                    arc = node_of(prim, spec)
-                    into = str(arc.GetIntroPath()) if arc is not None else owner.path
-                    field = arc_field(arc) if arc is not None else "references"
-                    yield Lost(entry, site, into, layer, field)
-            if operation.isExplicit:
-                return  # what weaker layers list is replaced anyway
-
     def _survey(self) -> None:
         """Before anything is read: what stands where broken targets may have been meant."""
         broken: list[tuple[Sdf.Path, Sdf.Path, str]] = []
@@ -318,7 +308,7 @@ class Targets:
         self._widen_to_kin(path for _, path, _ in broken)
         # Each is compared with every prim of the type: nobody mends more than so many at once.
         for _, path, expected in broken[:_MANY]:
-            self.suggest(path, expected)
+            self._suggest(path, expected)
 
     def _is_broken(self, path: Sdf.Path, expected: str) -> bool:
         found = self._look(path)
@@ -358,7 +348,7 @@ class Targets:
             self._looked.clear()
             self.prims = Prims(self._opened)
 
-    def suggest(self, path: Sdf.Path, expected: str) -> None:
+    def _suggest(self, path: Sdf.Path, expected: str) -> None:
         """Note prims of the type that may have been meant by `path`, best first."""
         key = (str(path), expected)
         if key in self._candidates or expected == "":
@@ -428,14 +418,28 @@ def arc_field(node: Pcp.NodeRef) -> str:
     return _FIELD_OF_ARC.get(node.arcType, "references")
 
 
+def _lost(owner: Asked, path: str, said: list[Opinion]) -> Iterator[Lost]:
+    prim = owner.prim
+    for spec in (one.spec for one in said if one.is_relationship):
+        operation = spec.targetPathList
+        for written in operation.GetAddedOrExplicitItems():
+            if out_of_namespace_of(prim, spec, written).isEmpty:
+                layer, entry = spec.layer.identifier, str(written)
+                site = Site(path, "targetPaths", entry, layer, str(spec.path))
+                arc = node_of(prim, spec)
+                into = str(arc.GetIntroPath()) if arc is not None else owner.path
+                field = arc_field(arc) if arc is not None else "references"
+                yield Lost(entry, site, into, layer, field)
+        if operation.isExplicit:
+            return  # what weaker layers list is replaced anyway
+
+
 def _clobbered(
-    prim: Asked, at: str, specs: list[Sdf.PropertySpec], raw: list[Sdf.Path]
+    prim: Asked, at: str, said: list[Opinion], raw: list[Sdf.Path]
 ) -> Iterator[Clobbered]:
     """What layers below an explicit list name, and the list does not."""
     replaced = False
-    for spec in specs:
-        if not isinstance(spec, Sdf.RelationshipSpec):
-            continue
+    for spec in (one.spec for one in said if one.is_relationship):
         if replaced:
             for written in spec.targetPathList.GetAddedOrExplicitItems():
                 path = out_of_namespace_of(prim.prim, spec, written)
