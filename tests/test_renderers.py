@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -15,9 +15,23 @@ from usdrender_lint.registry import all_rules
 from usdrender_lint.renderers import ANY, choose, names, renderer
 from usdrender_lint.rule import Severity
 
+FOLDER = Path(renderers.__file__).parent
 TABLES: dict[str, dict[str, Any]] = {
-    name: tomllib.loads((files(renderers) / f"{name}.toml").read_text("utf-8")) for name in names()
+    file.stem: tomllib.loads(file.read_text("utf-8")) for file in sorted(FOLDER.glob("*.toml"))
 }
+COPY = FOLDER / "tables.py"
+COPIED = """\
+# Written by `pytest --update`.
+# fmt: off
+# ruff: noqa
+\"\"\"What do the TOML files beside this one say? To read them takes longer than to lint a small file.\"\"\"
+
+from __future__ import annotations
+
+from typing import Any
+
+BUILT_IN: dict[str, dict[str, Any]] = {
+"""
 DOCUMENTED = {
     *re.findall(r"^    ([a-z-]+) = ", renderers.__doc__ or "", re.M),
     "severity",
@@ -33,6 +47,15 @@ EVIDENCE = {
 }
 
 
+def test_what_runs_is_what_the_files_say(update: bool) -> None:
+    entries = "".join(f"    {name!r}: {table!r},\n" for name, table in TABLES.items())
+    copied = f"{COPIED}{entries}}}\n"
+    if update:
+        COPY.write_text(copied, "utf-8")
+    assert COPY.read_text("utf-8") == copied, "run pytest --update"
+    assert names() == [*TABLES]
+
+
 def test_the_known_ones() -> None:
     assert {"any", "arnold", "omniverse"} <= set(names())
     assert names() == sorted(names())
@@ -43,7 +66,7 @@ def test_an_unknown_name_is_a_key_error() -> None:
         renderer("maxwell")
 
 
-@pytest.mark.parametrize("name", names())
+@pytest.mark.parametrize("name", TABLES)
 class TestTable:
     def test_holds_only_keys_that_are_read(self, name: str) -> None:
         assert set(TABLES[name]) <= DOCUMENTED
