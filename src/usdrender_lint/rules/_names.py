@@ -71,7 +71,9 @@ def frame_number(name: str) -> str | None:
 def extension_of(name: str) -> str:
     """As written, with the dot; a frame number or token behind it is no extension."""
     stem, extension = posixpath.splitext(name.replace("\\", "/"))
-    if extension and (extension[1:].isdigit() or _FRAME_TOKEN.fullmatch(extension[1:])):
+    if extension[1:].isdigit() or (
+        not is_plain(extension) and _FRAME_TOKEN.fullmatch(extension[1:])
+    ):
         extension = posixpath.splitext(stem)[1]
     return extension
 
