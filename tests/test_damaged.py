@@ -109,3 +109,13 @@ def test_no_damage_stops_the_tables_of_a_crate() -> None:
         Path("a.usdc").write_bytes(patched(at, 255))
         if (types := crate_types("a.usdc", pattern)) is not None:
             types.paths()
+
+
+def test_dictionaries_deep_within_each_other_are_no_damage() -> None:
+    deep = (
+        "dictionary d = {\n" * 3000 + 'string renderSettingsPrimPath = "/Render/S"\n' + "}\n" * 3000
+    )
+    Path("a.usda").write_text(f"#usda 1.0\n(\n    customLayerData = {{\n{deep}}}\n)\n")
+    report = lint(["a.usda"])
+    assert report.problems == ()
+    assert [f.rule.id for f in report.findings] == ["default-settings-misspelled"]

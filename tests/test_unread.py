@@ -65,6 +65,13 @@ IN_SETTINGS = {
     "¦/* a comment": "a comment is not closed",
     "¦<<<<<<< HEAD": "a merge conflict is left here, found '<<<<<<<'",
     "¦what": "'what' begins no statement that USD can read",
+    "int x = 1 ¦}": "expected the end of the line, found '}'",
+    'string x = """a\n"""¦}': "expected the end of the line, found '}'",
+    'int x = 1 (\n            doc = "x"\n        ) ¦}': "expected the end of the line, found '}'",
+    "rel r = [\n        ] ¦}": "expected the end of the line, found '}'",
+    "rel camera = </A> ¦</B>": "expected the end of the line, found '<'",
+    'def "A" {} ¦}': "expected the end of the line, found '}'",
+    'def "A" {}¦; def "B" {}': "expected the end of the line, found ';'",
     "¦%": "'%' begins no statement that USD can read",
 }
 WHOLE = {
@@ -132,6 +139,11 @@ def test_a_statement(tmp_path: Path, statement: str, said: str, line_break: str)
 @pytest.mark.parametrize(("text", "said"), WHOLE.items())
 def test_a_text(tmp_path: Path, text: str, said: str) -> None:
     check(tmp_path, f"#usda 1.0\n{text}", said)
+
+
+def test_a_line_that_ends_as_on_an_old_mac(tmp_path: Path) -> None:
+    text = '#usda 1.0\ndef "A"\r{\r  \n  ¦preprend rel r = </A>\r}\n'
+    assert told(tmp_path, text)[1:] == (5, 3)
 
 
 @since(26, 11)

@@ -173,3 +173,8 @@ def test_what_cannot_be_read_is_kept_apart(tmp_path: Path) -> None:
     uses = Uses([], ["/Render"])
     assert uses.of(str(tmp_path / "gone.usda")) == Reach(frozenset(), frozenset(), True)
     assert uses.unreadable == {os.path.realpath(tmp_path / "gone.usda")}
+
+
+def test_a_name_that_no_file_can_have_is_none(tmp_path: Path) -> None:
+    found = reach(tmp_path, {"main.usda": f"(\n    subLayers = [@./{'a' * 5000}.usda@]\n)"})
+    assert found.stack == frozenset()

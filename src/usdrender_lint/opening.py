@@ -19,6 +19,7 @@ from .model import Site
 from .packages import bytes_of, first_member, split_package
 from .records import dataclass
 from .unread import closing, samples, statement, string
+from .usda_lines import Lines
 
 _FOLDER = "a folder"
 _SMALL, _SMALL_CRATE = 1_000_000, 100_000
@@ -329,7 +330,8 @@ def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
     if data and at >= 0 and (wrong := _wrong_at(data, at, expected, found)):
         return ParseProblem(file, _strange(wrong[0], found), *_place(data, wrong[1]))
     told = _sentence(_more_exact(said) or expected, found)
-    return ParseProblem(file, told, int(match[1]), int(match[2]))
+    place = _place(data, at) if data and at >= 0 else (int(match[1]), int(match[2]))
+    return ParseProblem(file, told, *place)
 
 
 def _offset(data: bytes, line: int, column: int) -> int:
@@ -343,7 +345,9 @@ def _offset(data: bytes, line: int, column: int) -> int:
 
 
 def _place(data: bytes, at: int) -> tuple[int, int]:
-    return data.count(b"\n", 0, at) + 1, at - data.rfind(b"\n", 0, at)
+    """As editors count, for which a carriage return ends a line, too."""
+    line, start = Lines(data).at(at)
+    return line, at - start + 1
 
 
 def _wrong_at(data: bytes, at: int, expected: str, found: str) -> tuple[str, int] | None:

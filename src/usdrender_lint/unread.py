@@ -33,7 +33,9 @@ _MARK = lazily(
     re.S,
 )
 _NUMBER = lazily(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
-_VALUE = lazily(rb"(?:" + _STRING + rb"|[-+]?[\w.]+)[ \t]*")
+_VALUE = lazily(rb"(?!\"\"\"|''')" + rb"(?:" + _STRING + rb"|[-+]?[\w.]+)")
+_TARGET = lazily(rb"<[^<>\r\n]*>")
+_PADDING = lazily(rb"(?:[ \t]|/\*.*?\*/)*+", re.S)
 _CURLY = lazily(rb"\xe2\x80[\x98-\x9f]")
 _BLANKS = lazily(rb"(?:\s|;|#[^\r\n]*|//[^\r\n]*|/\*.*?\*/)*+", re.S)
 
@@ -153,7 +155,7 @@ def _prim(data: bytes, tokens: list[re.Match[bytes]]) -> Wrong | None:
     if data[after : after + 1] == b"(":
         after = _after(data, _close(data, after))
     if data[after : after + 1] == b"{":
-        return None
+        return _behind(data, _close(data, after), b"#")
     found = _TOKEN.match(data, after)
     what = f"found '{_text(found)}'" if found else "found the end of the text"
     if found and found[0] == b"(" and data.find(b"(", name.end(), after) >= 0:
@@ -245,8 +247,8 @@ def _value(data: bytes, kind: re.Match[bytes], rest: list[re.Match[bytes]]) -> W
     value = rest[0]
     at, first = value.start(), value[0][:1]
     if kind[0] == b"rel":
-        if first in b"<[" or value[0] == b"None" or value[0].startswith(b"["):
-            return None
+        if first in b"<[" or value[0] == b"None":
+            return _behind_value(data, at)
         said = "a target stands in angle brackets, as in </World/camera>"
         return f"{said}, and not '{_text(value)}'", at
     if number := _NUMBER.match(data, at):
@@ -261,13 +263,34 @@ def _value(data: bytes, kind: re.Match[bytes], rest: list[re.Match[bytes]]) -> W
     elif first not in b"\"'@<[({":
         meant = ": text stands in quotes" if first == b"/" else ""
         return f"no value begins with '{_text(value)}'{meant}", at
-    if simple := _VALUE.match(data, at):
+    return _behind_value(data, at)
+
+
+def _behind_value(data: bytes, at: int) -> Wrong | None:
+    if data[at : at + 1] in (b"(", b"[", b"{"):
+        end = _close(data, at)
+    elif simple := _VALUE.match(data, at) or _TARGET.match(data, at) or _MARK.match(data, at):
         end = simple.end()
-        if end < _line_end(data, at) and data[end : end + 1] not in b"(#;\r":
-            found = _TOKEN.match(data, end)
-            if found and not data.startswith((b"//", b"/*"), end):
-                return f"expected the end of the line, found '{_text(found)}'", end
-    return None
+    else:
+        return None
+    metadata = _in_line(data, end)
+    if data[metadata : metadata + 1] == b"(":
+        end = _close(data, metadata)
+    return _behind(data, end, b"#;")
+
+
+def _behind(data: bytes, at: int, ends: bytes) -> Wrong | None:
+    """What stands in a line behind the end of a statement."""
+    at = _in_line(data, at)
+    found = _TOKEN.match(data, at)
+    if not found or found[0] in ends or data.startswith((b"\r", b"\n", b"//"), at):
+        return None
+    return f"expected the end of the line, found '{_text(found)}'", at
+
+
+def _in_line(data: bytes, at: int) -> int:
+    match = _PADDING.match(data, at)
+    return match.end() if match else at
 
 
 def _modifiers(tokens: list[re.Match[bytes]]) -> Iterator[re.Match[bytes]]:

@@ -359,14 +359,17 @@ class UsdaText:
 
     def _in_dictionary(self, value: Range, key: str) -> Iterator[Range]:
         """The entry of a key; `a:b` is the key `a:b`, or `b` in the dictionary `a`."""
-        for entry in self._scan.dictionary(value):
-            name = self._text(entry.name)
-            if name[0] in "\"'":
-                name = self._string(entry.name)
-            if name == key:
-                yield from _value_or_name(entry)
-            elif key.startswith(name + ":") and entry.value:
-                yield from self._in_dictionary(entry.value, key[len(name) + 1 :])
+        waiting = [(value, key)]
+        while waiting:
+            value, key = waiting.pop()
+            for entry in self._scan.dictionary(value):
+                name = self._text(entry.name)
+                if name[0] in "\"'":
+                    name = self._string(entry.name)
+                if name == key:
+                    yield from _value_or_name(entry)
+                elif key.startswith(name + ":") and entry.value:
+                    waiting.append((entry.value, key[len(name) + 1 :]))
 
     # Values
 

@@ -198,7 +198,7 @@ class Uses:
         # From where a layer was found, not from where a link to it leads: as USD does it.
         found = os.path.normpath(Path(file).parent / path)
         if found not in self._existing:
-            self._existing[found] = Path(found).exists()
+            self._existing[found] = os.path.exists(found)  # noqa: PTH110 a name may be too long
         if self._existing[found]:
             return found
         return "" if Path(path).is_absolute() or path.startswith(".") else None

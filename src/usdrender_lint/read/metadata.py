@@ -109,13 +109,17 @@ def _misspelled(stage: Usd.Stage) -> Iterator[MetadataOpinion]:
             yield MetadataOpinion(key, text, Site("/", key, layer=root.identifier), counts=False)
 
 
-def _strings_in(data: dict[str, Any], above: str = "") -> Iterator[tuple[str, str, str]]:
-    """Where each string of a dictionary stands, its key and itself."""
-    for key in sorted(data):
-        if isinstance(data[key], str):
-            yield above + key, key, data[key]
-        elif isinstance(data[key], dict):
-            yield from _strings_in(data[key], f"{above}{key}:")
+def _strings_in(data: dict[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Where each string of a dictionary stands, its key and itself. Dictionaries may stand deep
+    within each other: deeper than calls may."""
+    waiting = [("", data)]
+    while waiting:
+        above, one = waiting.pop()
+        for key in sorted(one):
+            if isinstance(one[key], str):
+                yield above + key, key, one[key]
+            elif isinstance(one[key], dict):
+                waiting.append((f"{above}{key}:", one[key]))
 
 
 def _looks_like(key: str, *, or_equal: bool) -> bool:
