@@ -85,6 +85,7 @@ def test_values_stay_what_they_are() -> None:
             change(Point(1))
     with pytest.raises(FrozenInstanceError):
         del Point(1).x  # type: ignore[misc]
+    assert type(Deep(1)) is Deep
     counter = Counter()
     counter.found = {"a": 1}
     with pytest.raises(AttributeError):
@@ -95,6 +96,14 @@ def test_values_stay_what_they_are() -> None:
 def test_what_is_computed_is_not_given() -> None:
     assert Counter({"a": 2}).doubled == {"a": 4}
     assert replace(Counter({"a": 2}), found={}).doubled == {}
+
+
+def test_what_derives_from_a_value_is_declared_as_one() -> None:
+    class Undeclared(Point[int]):
+        pass
+
+    with pytest.raises(TypeError, match="Undeclared"):
+        Undeclared(1)
 
 
 @pytest.mark.parametrize(

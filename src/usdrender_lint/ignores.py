@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from functools import cached_property
+from os.path import commonprefix
 
 from pxr import Sdf, Usd
 
@@ -12,6 +13,7 @@ from .locate import Locator
 from .model import Extent, Site
 from .packages import split_package
 from .read.suppressions import (
+    KEY,
     Authored,
     authored_above,
     authored_in,
@@ -22,6 +24,9 @@ from .read.text import Texts
 from .results import Located, Location
 from .suppress import MARK, Ignore, Key, in_comment, in_metadata, judge
 from .usda import UsdaText
+
+_WORD = commonprefix([MARK, KEY]).encode()  # noqa: RUF071 it goes by letters
+"""A text that does not hold it says nothing to this program."""
 
 
 class Ignores:
@@ -47,11 +52,10 @@ class Ignores:
         """Findings of this stage follow; `own`: the root layer, to learn all that it holds."""
         self._opening = _Opening(stage, locator, self._texts)
         if own is not None:
-            if self._unseen is None:
-                text = self._texts.of(own)
+            if self._unseen is None and self._texts.mention(own.realPath, _WORD) is not False:
                 self.own = (
                     *self._in_text(self._texts.file_of(own)),
-                    *self._opening.of_layer(own, text),
+                    *self._opening.of_layer(own, self._texts.of(own)),
                 )
             unseen = self._opening.unseen(self.own)
             self._unseen = unseen if self._unseen is None else self._unseen & unseen
@@ -89,7 +93,7 @@ class Ignores:
         return self._by_line[file].get(line, [])
 
     def _read(self, file: str) -> Iterator[Ignore]:
-        text = self._texts.of_file(file)
+        text = self._texts.of_file(file) if self._texts.mention(file, _WORD) else None
         if text is None:
             return
         for comment in text.comments(MARK.encode()):

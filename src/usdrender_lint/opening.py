@@ -141,9 +141,10 @@ def sublayers_of(
                 return held, Unreadable(
                     file, "unreadable-file", f"{what}, not a file", one.realPath
                 )
-            with suppress(Tf.ErrorException):
-                if file in sublayers and (found := Sdf.Layer.FindOrOpen(file)):
-                    held.append(found)
+            if file in sublayers:
+                with suppress(Tf.ErrorException):
+                    if found := Sdf.Layer.FindOrOpen(file):
+                        held.append(found)
     return held, None
 
 

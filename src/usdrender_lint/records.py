@@ -18,6 +18,9 @@ else:
     from dataclasses import MISSING, Field, FrozenInstanceError
     from operator import attrgetter
 
+    _MANY = 3
+    """Fields of a class for which it pays to open its values while they are made."""
+
     def dataclass(*, frozen=False, slots=False, eq=True):
         """With `slots`, as the class has to be made anew, no method of it can say `super()`."""
 
@@ -78,8 +81,12 @@ else:
         return __init__
 
     def _init(record, frozen):
-        known = {"_missing": MISSING, "_set": object.__setattr__}
+        known = {"_missing": MISSING, "_set": object.__setattr__, "_record": record}
         parameters, lines = ["self"], []
+        opens = frozen and len(record.__dataclass_fields__) >= _MANY
+        if opens:
+            known["_opened"] = _opened(record)
+            lines.append("_set(self, '__class__', _opened)")
         for name, one in record.__dataclass_fields__.items():
             parameter = value = name
             if one.default is not MISSING:
@@ -93,12 +100,22 @@ else:
                 value = f"_new_{name}(){given}"
             if one.init:
                 parameters.append(parameter)
-            lines.append(f"_set(self, {name!r}, {value})" if frozen else f"self.{name} = {value}")
+            is_shut = frozen and not opens
+            lines.append(f"_set(self, {name!r}, {value})" if is_shut else f"self.{name} = {value}")
+        if opens:
+            lines.append("self.__class__ = _record")
         if hasattr(record, "__post_init__"):
             lines.append("self.__post_init__()")
         body = "\n ".join(lines or ["pass"])
         exec(f"def __init__({', '.join(parameters)}):\n {body}", known)  # noqa: S102 as dataclasses does
         return known["__init__"]
+
+    def _opened(record):
+        """A class like it, whose values can be changed: setting a field of a frozen one takes six
+        times as long, so while it is made a value is one of this class."""
+        # Both, or Python goes a long way round to either.
+        changing = {"__setattr__": object.__setattr__, "__delattr__": object.__delattr__}
+        return type(record)(record.__name__, (record,), {"__slots__": (), **changing})
 
     def _repr(self):
         values = (f"{name}={getattr(self, name)!r}" for name in self.__dataclass_fields__)

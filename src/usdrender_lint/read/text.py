@@ -27,6 +27,7 @@ class Texts:
         self._known: dict[str, UsdaText | None] = {}
         self._full_names: dict[str, str] = {}
         self._room = _ROOM
+        self._words: dict[tuple[str, bytes], bool | None] = {}
 
     def of(self, layer: Sdf.Layer) -> UsdaText | None:
         """None for a binary layer or one without a file."""
@@ -53,10 +54,17 @@ class Texts:
             self._known[file] = None if data is None else UsdaText(data)
         return self._known[file]
 
-    def mention(self, file: str, word: bytes) -> bool:
-        """Whether the text of a layer holds a word. That alone does not keep the text of a large one:
-        there may be more of them than fit into memory."""
+    def mention(self, file: str, word: bytes) -> bool | None:
+        """Whether the text of a layer holds a word; None for a binary layer, or one that cannot be
+        read. That alone does not keep the text of a large one: there may be more of them than fit
+        into memory."""
         file = self.full_name(file)
+        key = file, word
+        if key not in self._words:
+            self._words[key] = self._mention(file, word)
+        return self._words[key]
+
+    def _mention(self, file: str, word: bytes) -> bool | None:
         if file not in self._known:
             found = _text_or(file, word)
             if isinstance(found, bool):
@@ -67,7 +75,7 @@ class Texts:
                 self._room -= len(found)
             self._known[file] = None if found is None else UsdaText(found)
         text = self._known[file]
-        return text is not None and text.mentions(word)
+        return None if text is None else text.mentions(word)
 
     def written_target(self, stage: Usd.Stage, site: Site) -> str | None:
         """The text between the angle brackets of one entry of a relationship's list."""
