@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from usdrender_lint import lint_file
-from usdrender_lint.rule import AnyRule, Context
-from usdrender_lint.run import Crash, Subject, Told, run
+from usdrender_lint.rule import Context
+from usdrender_lint.run import Crash, Rules, Subject, Told, run
 
 ROOT = Path(__file__).parents[1]
 
@@ -68,11 +68,12 @@ def spared_rules_are_silent() -> Iterator[None]:
     nowhere else."""
 
     def checked(
-        rules: Iterable[AnyRule], subjects: Iterable[Subject], context: Context
+        rules: Rules, subjects: Iterable[Subject], context: Context
     ) -> tuple[list[Told], list[Crash]]:
-        rules, subjects = list(rules), list(subjects)
+        subjects = list(subjects)
         ran = run(rules, subjects, context)
-        all_ran = run([replace(r, about=frozenset()) for r in rules], subjects, context)
+        all_rules = Rules(replace(r, about=frozenset()) for r in rules)
+        all_ran = run(all_rules, subjects, context)
         if _said(ran) != _said(all_ran):
             pytest.fail(f"wrongly spared: {[s for s in _said(all_ran) if s not in _said(ran)]}")
         return ran

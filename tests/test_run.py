@@ -27,7 +27,7 @@ from usdrender_lint.read.text import Texts
 from usdrender_lint.registry import select
 from usdrender_lint.renderers import renderer
 from usdrender_lint.rule import Context, Finding, Severity, once, rule
-from usdrender_lint.run import run, subjects_of
+from usdrender_lint.run import Rules, run, subjects_of
 from usdrender_lint.stage import open_stage
 from usdrender_lint.testing import BASE, HEADER, lint_files
 
@@ -95,7 +95,7 @@ def scope(main: Path) -> RenderScope:
 
 
 def messages(*rules: object) -> tuple[list[str], list[str]]:
-    told, crashes = run(rules, LAYERS, CONTEXT)  # type: ignore[arg-type]
+    told, crashes = run(Rules(rules), LAYERS, CONTEXT)  # type: ignore[arg-type]
     return [t.finding.message for t in told], [
         f"{c.rule.id} {c.subject} {c.error}" for c in crashes
     ]
@@ -160,7 +160,7 @@ def test_a_crash_on_the_scope_names_its_root(scope: RenderScope) -> None:
         yield from ()
         raise RuntimeError
 
-    _, (crash,) = run([on_scope], subjects_of(scope), CONTEXT)
+    _, (crash,) = run(Rules([on_scope]), subjects_of(scope), CONTEXT)
     assert Path(crash.subject).name == "main.usda"
 
 
@@ -183,7 +183,7 @@ def test_a_rule_sees_the_live_prims_of_its_kind(
     def seen(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         yield Finding(prim, prim.path)
 
-    told, crashes = run([seen], subjects_of(scope), CONTEXT)
+    told, crashes = run(Rules([seen]), subjects_of(scope), CONTEXT)
     assert [t.finding.message for t in told] == paths
     assert crashes == []
 
@@ -193,8 +193,21 @@ def test_a_rule_on_the_scope_sees_all_of_it_once(scope: RenderScope) -> None:
     def seen(scope: RenderScope, context: Context) -> Iterator[Finding]:
         yield Finding(scope, f"{len(scope.vars)} vars")
 
-    told, _ = run([seen], subjects_of(scope), CONTEXT)
+    told, _ = run(Rules([seen]), subjects_of(scope), CONTEXT)
     assert [t.finding.message for t in told] == ["2 vars"]
+
+
+def test_each_stage_has_the_rules_that_speak_of_it(scope: RenderScope) -> None:
+    """Also if the same rules judged another one before."""
+
+    @rule("passing", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("products",))
+    def passing(scope: RenderScope, context: Context) -> Iterator[Finding]:
+        yield Finding(scope, "it names products")
+
+    bare = replace(scope, settings=())
+    rules = Rules([passing])
+    told = [len(run(rules, subjects_of(s), CONTEXT)[0]) for s in (scope, bare, scope, bare)]
+    assert told == [1, 0, 1, 0]
 
 
 def test_a_crash_makes_the_report_incomplete_and_costs_no_finding(main: Path) -> None:

@@ -26,7 +26,7 @@ from usdrender_lint.read.text import Texts
 from usdrender_lint.registry import all_rules
 from usdrender_lint.renderers import renderer
 from usdrender_lint.rule import Context, Finding, Severity, Sign, rule
-from usdrender_lint.run import run, subjects_of
+from usdrender_lint.run import Rules, run, subjects_of
 from usdrender_lint.signs import signs_of
 from usdrender_lint.stage import open_stage
 
@@ -173,7 +173,7 @@ def test_a_rule_is_spared_where_it_is_silent(folder: Path, form: str) -> None:
     wrong, rules = [], [r for r in all_rules().values() if r.about]
     for name, part in parts_of(read_text(folder, stage_of(form))):
         shown, subjects = signs_of(part), list(subjects_of(part))
-        spared = [replace(r, about=frozenset()) for r in rules if r.about.isdisjoint(shown)]
+        spared = Rules(replace(r, about=frozenset()) for r in rules if r.about.isdisjoint(shown))
         for context in contexts:
             told, crashes = run(spared, subjects, context)
             wrong += [(name, t.rule.id, t.finding.message) for t in told]
@@ -235,7 +235,7 @@ def test_a_rule_runs_where_its_signs_are_shown(folder: Path, line: str) -> None:
         folder,
         f'#usda 1.0\ndef Scope "Render"\n{{\n    def RenderProduct "P"\n    {{\n        {line}\n    }}\n}}\n',
     )
-    told, _ = run([about_vars], subjects_of(scope), Context(renderer("any")))
+    told, _ = run(Rules([about_vars]), subjects_of(scope), Context(renderer("any")))
     assert [t.finding.message for t in told] == (["/Render/P"] if line else [])
 
 
@@ -243,5 +243,5 @@ def test_without_a_scope_to_tell_all_rules_run(folder: Path) -> None:
     scope = read_text(
         folder, '#usda 1.0\ndef Scope "Render"\n{\n    def RenderProduct "P"\n    {\n    }\n}\n'
     )
-    told, _ = run([about_vars], scope.products, Context(renderer("any")))
+    told, _ = run(Rules([about_vars]), scope.products, Context(renderer("any")))
     assert [t.finding.message for t in told] == ["/Render/P"]

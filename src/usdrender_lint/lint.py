@@ -28,8 +28,8 @@ from .records import dataclass
 from .registry import Selection, select
 from .renderers import ANY, Own, renderer
 from .results import Located, Problem, RendererChoice, Report, Verdict
-from .rule import AnyRule, Context, Renderer, Severity
-from .run import Crash
+from .rule import Context, Renderer, Severity
+from .run import Crash, Rules
 from .suppress import Ignore, Key, findings_of
 
 SCOPES = ("/Render",)
@@ -43,7 +43,7 @@ class Judged:
     """What becomes of the rules that are asked for on the stages that one renderer judges."""
 
     judge: Renderer
-    rules: tuple[AnyRule, ...]
+    rules: Rules
     """Those that run."""
     silent: frozenset[str]
     """Those of which nothing is told, whatever there is to find."""
@@ -79,7 +79,7 @@ class Config:
 
     def _by(self, judge: Renderer) -> Judged:
         told = self.selection.told
-        rules = tuple(r for r in self.selection.run if not r.renderers or judge.name in r.renderers)
+        rules = Rules(r for r in self.selection.run if not r.renderers or judge.name in r.renderers)
         off = {rule for rule, severity in judge.severities.items() if severity is None}
         speaking = told.intersection(r.id for r in rules) - off.difference(self.severities)
         return Judged(judge, rules, told - speaking)

@@ -44,18 +44,42 @@ def subjects_of(scope: RenderScope) -> Iterator[Subject]:
     yield from scope.cameras
 
 
+_SHOWN = 1024
+"""Different stages of which it is kept which rules speak of them: more are hardly ever alike."""
+
+
+class Rules:
+    """Those that judge many stages. Which of them have something to speak of is found out once for
+    all stages that show the same."""
+
+    def __init__(self, rules: Iterable[AnyRule]) -> None:
+        self._rules = tuple(rules)
+        self._speaking: dict[frozenset[str], tuple[AnyRule, ...]] = {}
+
+    def __iter__(self) -> Iterator[AnyRule]:
+        return iter(self._rules)
+
+    def speaking_of(self, shown: frozenset[str] | None) -> tuple[AnyRule, ...]:
+        """`shown`: the signs of a stage; None where nobody can tell."""
+        if shown is None:
+            return self._rules
+        found = self._speaking.get(shown)
+        if found is None:
+            found = tuple(r for r in self._rules if not (r.about and r.about.isdisjoint(shown)))
+            if len(self._speaking) < _SHOWN:
+                self._speaking[shown] = found
+        return found
+
+
 def run(
-    rules: Iterable[AnyRule], subjects: Iterable[Subject], context: Context
+    rules: Rules, subjects: Iterable[Subject], context: Context
 ) -> tuple[list[Told], list[Crash]]:
     told: list[Told] = []
     crashes: list[Crash] = []
     everything = list(subjects)
-    shown = _shown(everything)
     live = _by_kind(s for s in everything if not _is_dead(s))
     all_there_is = _by_kind(everything)
-    for rule in rules:
-        if rule.about and shown is not None and rule.about.isdisjoint(shown):
-            continue
+    for rule in rules.speaking_of(_shown(everything)):
         for subject in (all_there_is if rule.by_itself else live).get(rule.on, ()):
             try:
                 for finding in rule.check(subject, context):
@@ -66,10 +90,10 @@ def run(
     return told, crashes
 
 
-def _shown(subjects: list[Subject]) -> set[str] | None:
+def _shown(subjects: list[Subject]) -> frozenset[str] | None:
     """None where no scope is among them to tell."""
     scope = next((s for s in subjects if isinstance(s, RenderScope)), None)
-    return None if scope is None else signs_of(scope)
+    return None if scope is None else frozenset(signs_of(scope))
 
 
 def _is_dead(subject: Subject) -> bool:

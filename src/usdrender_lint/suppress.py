@@ -14,7 +14,7 @@ from .records import dataclass
 from .registry import all_rules
 from .results import Located, Location, Span, Verdict
 from .rule import AnyRule, Context, Severity
-from .run import Crash, run
+from .run import Crash, Rules, run
 
 if TYPE_CHECKING:
     from .usda import Comment
@@ -155,7 +155,7 @@ def findings_of(
 
     Only when all stages are linted it is known which of them were `needed`.
     """
-    own = [rule for rule in rules if is_about_suppressions(rule)]
+    own = Rules(rule for rule in rules if is_about_suppressions(rule))
     findings: list[Located] = []
     crashes: list[tuple[str, Crash]] = []
     for file, found in ignores.items():
