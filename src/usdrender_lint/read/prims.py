@@ -61,7 +61,7 @@ class Schema:
         self.built_in = tuple(sorted(name for name in self.names if ":" not in name))
         """Those without a namespace."""
         self._attributes: dict[str, Declared | None] = {}
-        self._fallbacks: dict[tuple[str, Callable[[Any], Any]], Any] = {}
+        self._fallbacks: dict[str, Any] = {}
 
     def attribute(self, name: str) -> Declared | None:
         if name not in self._attributes:
@@ -70,11 +70,11 @@ class Schema:
 
     def fallback(self, name: str, plain: Callable[[Any], T], empty: T) -> T:
         """What is read where nothing is authored; `empty` where the schema has nothing, either."""
-        if (name, plain) not in self._fallbacks:
+        found: T | None = self._fallbacks.get(name)
+        if found is None:
             declared = self.attribute(name)
             default = None if declared is None else declared.default
-            self._fallbacks[name, plain] = empty if default is None else plain(default)
-        found: T = self._fallbacks[name, plain]
+            found = self._fallbacks[name] = empty if default is None else plain(default)
         return found
 
     def is_relationship(self, name: str) -> bool:
@@ -107,6 +107,16 @@ _schemas: dict[tuple[str, ...], Schema] = {}
 """By the type of a prim and all that is applied to it."""
 
 
+def _schema_of(prim: Usd.Prim) -> Schema:
+    info = _type_info(prim)
+    applied = info.GetAppliedAPISchemas()
+    schemas = (info.GetSchemaTypeName(), *applied)
+    found = _schemas.get(schemas)
+    if found is None:
+        found = _schemas[schemas] = Schema(prim.GetPrimDefinition(), tuple(applied))
+    return found
+
+
 class Opinion:
     """What one layer says about a property, as far as several readers want to know it."""
 
@@ -128,7 +138,7 @@ class Asked:
     """A prim, and what more than one question about it begins with."""
 
     __slots__ = (
-        "_only", "_opinions", "_schema", "at", "authored", "kinds", "path", "prim", "stack", "state", "type_name",
+        "_only", "_opinions", "at", "authored", "kinds", "path", "prim", "schema", "stack", "state", "type_name",
     )  # fmt: skip
 
     def __init__(self, prim: Usd.Prim, path: str = "") -> None:
@@ -142,7 +152,7 @@ class Asked:
         self.authored = dict.fromkeys(_names(prim))
         """Names of properties, in the order of USD."""
         self._opinions: dict[str, list[Opinion]] = {}
-        self._schema: Schema | None = None
+        self.schema = _schema_of(prim)
         self._only: tuple[str, str] | None = None
 
     @property
@@ -162,17 +172,6 @@ class Asked:
     def has_arcs(self) -> bool:
         """Something else than the root layer stack brings in opinions."""
         return bool(_index(self.prim).rootNode.children)
-
-    @property
-    def schema(self) -> Schema:
-        if self._schema is None:
-            info = _type_info(self.prim)
-            applied = info.GetAppliedAPISchemas()
-            schemas = (info.GetSchemaTypeName(), *applied)
-            if schemas not in _schemas:
-                _schemas[schemas] = Schema(self.prim.GetPrimDefinition(), tuple(applied))
-            self._schema = _schemas[schemas]
-        return self._schema
 
     def opinions(self, name: str) -> list[Opinion]:
         """About one of its properties, strongest first."""
@@ -225,6 +224,10 @@ class Prims:
         return spelt
 
 
+_LIVE = State.LIVE
+"""Python 3.11 takes longer to look up a member than USD to answer."""
+
+
 def state_of(prim: Usd.Prim) -> State:
     if not _is_active(prim):
         return State.INACTIVE
@@ -232,7 +235,7 @@ def state_of(prim: Usd.Prim) -> State:
         return State.ABSTRACT
     if not _is_defined(prim):
         return State.OVER
-    return State.LIVE
+    return _LIVE
 
 
 def type_is_known(prim: Usd.Prim) -> bool:

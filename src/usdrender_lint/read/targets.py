@@ -295,11 +295,11 @@ class Targets:
         """Before anything is read: what stands where broken targets may have been meant."""
         broken: list[tuple[Sdf.Path, Sdf.Path, str]] = []
         for prim in self.prims.rendered:
-            for name, expected in EXPECTED.items():
+            for name in [name for name in EXPECTED if name in prim.authored]:
                 followed = self._follow(prim, name)
                 for _, last, _ in followed.ends if followed else ():
-                    if self._is_broken(last, expected):
-                        broken.append((prim.at, last, expected))
+                    if self._is_broken(last, EXPECTED[name]):
+                        broken.append((prim.at, last, EXPECTED[name]))
         if broken:
             self._mend(broken)
 

@@ -13,6 +13,9 @@ from .specs import items
 
 T = TypeVar("T")
 
+_FALLBACK, _AUTHORED = ValueState.FALLBACK, ValueState.AUTHORED
+"""Python 3.11 takes longer to look up a member than USD to answer."""
+
 VARYING = ("timeSamples", "spline")
 """Fields of a property whose value depends on time."""
 
@@ -62,7 +65,7 @@ def read_attr(
     site = Site(f"{asked.path}.{name}", "default")
     fallback = asked.schema.fallback(name, plain, empty)
     if name not in asked.authored:
-        return Attr(name, fallback, ValueState.FALLBACK, site)
+        return Attr(name, fallback, _FALLBACK, site)
     opinions = asked.opinions(name)
     said = [one for one in opinions if not one.is_relationship]
     if len(said) < len(opinions) and not _attribute(asked.prim, name):
@@ -75,7 +78,7 @@ def read_attr(
     # Only what is passed over makes another opinion than the strongest count.
     if counts is not None and counts is not next(one for one in said if one.has_default):
         site = Site(site.path, "default", None, *asked.where(counts, name))
-    value, state = fallback, ValueState.FALLBACK
+    value, state = fallback, _FALLBACK
     if type(default) in _EDITS:
         default = _get(_attribute(asked.prim, name))
         if type(default) in _EDITS or default is None:  # before 26.05, which reads none
@@ -84,7 +87,7 @@ def read_attr(
         value, state = empty, ValueState.BLOCKED
     elif counts is not None:
         value = plain(default)
-        state = ValueState.AUTHORED if unread is None else ValueState.MISTYPED
+        state = _AUTHORED if unread is None else ValueState.MISTYPED
     elif unread is not None:
         state = ValueState.MISTYPED
     elif varying is not None:
@@ -138,7 +141,7 @@ def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
             value = _get(attribute, Usd.TimeCode.EarliestTime())
         type_name = _attribute_type(attribute)
         text = _as_text(value, bool(type_name.isArray))
-        state = ValueState.FALLBACK if value is None else ValueState.AUTHORED
+        state = _FALLBACK if value is None else _AUTHORED
         site = Site(f"{asked.path}.{name}", "default")
         found.append(Attr(name, text, state, site, (), str(type_name)))
     return tuple(found)
