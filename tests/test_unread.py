@@ -72,6 +72,7 @@ IN_SETTINGS = {
     "rel camera = </A> ¦</B>": "expected the end of the line, found '<'",
     'def "A" {} ¦}': "expected the end of the line, found '}'",
     'def "A" {}¦; def "B" {}': "expected the end of the line, found ';'",
+    "¦...": "'...' begins no statement that USD can read",
     "¦%": "'%' begins no statement that USD can read",
 }
 WHOLE = {

@@ -16,12 +16,14 @@ from pxr import Sdf, Tf, Usd
 
 from conftest import installed, since
 from usdrender_lint.diagnostics import Diagnostics, sentences
+from usdrender_lint.lint import Config, lint
 from usdrender_lint.model import Collection, Gives, Pattern, PredicateState, RenderScope, State
 from usdrender_lint.opening import open_layer
 from usdrender_lint.read import read
 from usdrender_lint.read.patterns import Parsed, tree
 from usdrender_lint.read.predicates import means_groups, read_predicates
 from usdrender_lint.read.text import Texts
+from usdrender_lint.registry import select
 from usdrender_lint.stage import Opened, open_stage
 
 WORLD = """
@@ -568,3 +570,13 @@ class TestFile:
             tmp_path, f"asset fileName = @{asset}@", f"rel renderSource = {source}"
         ).source_in_file
         assert (found.state if found else None) is state
+
+
+def test_a_relative_pattern_that_leads_to_something_is_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "main.usda"
+    body = f'    def RenderPass "A"\n    {{\n{expression("geo sky")}\n        def Mesh "geo"\n        {{\n        }}\n    }}\n'
+    text = f'#usda 1.0\ndef Scope "Render"\n{{\n{body}}}\n'.replace("@", "collection:prune")
+    file.write_text(text)
+    report = lint([str(file)], Config(select(["relative-pattern"])), tmp_path)
+    (found,) = report.findings
+    assert found.message.startswith("'sky' of 'prune' is relative")

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
+
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.lint_file import MOST_VARIANTS
+from usdrender_lint.registry import select
 from usdrender_lint.results import Located, Report
 
 STAGE = """\
@@ -146,3 +149,56 @@ def test_the_limit_is_told_and_makes_the_run_incomplete(tmp_path: Path) -> None:
     )
     report = lint_stage(tmp_path, text)
     assert [p.kind for p in report.problems] == ["too-many-variants"]
+
+
+EXPRESSION = """\
+#usda 1.0
+(
+    expressionVariables = {
+        string LOOK = "hi"
+    }
+)
+def Scope "Render" (
+    prepend variantSets = "look"
+    variants = {
+        string look = "`${LOOK}`"
+    }
+)
+{
+    variantSet "look" = {
+        "hi" {
+            def RenderSettings "S"
+            {
+                rel camera = </cam>
+            }
+        }
+    }
+}
+def Camera "cam"
+{
+}
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("", "", []),
+        (
+            '"hi"\n    }',
+            '"mid"\n    }',
+            ["missing-variant: </Render> selects the variant 'mid' of 'look', which does not exist: nothing of it is composed"],
+        ),
+        (
+            "string LOOK",
+            "string OTHER",
+            ["composition-error: the variant selection '`${LOOK}`' on </Render> is no expression that USD can evaluate: no value for variable 'LOOK'"],
+        ),
+    ],
+)  # fmt: skip
+def test_a_selection_by_an_expression(tmp_path: Path, old: str, new: str, told: list[str]) -> None:
+    file = tmp_path / "main.usda"
+    file.write_text(EXPRESSION.replace(old, new))
+    report = lint([str(file)], Config(select(["missing-variant", "composition-error"])), tmp_path)
+    assert [f"{f.rule.id}: {f.message}" for f in report.findings] == told
+    assert all(f.location.span and f.location.span.line == 10 for f in report.findings)

@@ -55,8 +55,8 @@ def statement(data: bytes, at: int) -> Wrong:
     if first in _CLOSES:
         return f"nothing is open that '{first.decode()}' closes", at
     if first in _SPECIFIERS:
-        return _prim(data, tokens) or _unknown(tokens[0])
-    return _property(data, tokens) or _unknown(tokens[0])
+        return _prim(data, tokens) or _unknown(data, at)
+    return _property(data, tokens) or _unknown(data, at)
 
 
 def closing(data: bytes, at: int, mark: str) -> str | None:
@@ -114,8 +114,9 @@ def _line_end(data: bytes, at: int) -> int:
     return end if end >= 0 else len(data)
 
 
-def _unknown(token: re.Match[bytes]) -> Wrong:
-    return f"'{_text(token)}' begins no statement that USD can read", token.start()
+def _unknown(data: bytes, at: int) -> Wrong:
+    word = data[at : _line_end(data, at)].split()[0].decode(errors="replace")[:40]
+    return f"'{word}' begins no statement that USD can read", at
 
 
 def _misspelt(token: re.Match[bytes]) -> Wrong:

@@ -204,6 +204,21 @@ class Failures:
                 deleted.update((str(i.assetPath), str(i.primPath)) for i in operation.deletedItems)
                 if operation.isExplicit:
                     replaced.add(spec.path)
+        yield from self._selections(prim)
+
+    def _selections(self, prim: Usd.Prim) -> Iterator[Failure]:
+        """Of variants, by expressions that cannot be evaluated."""
+        path = str(prim.GetPath())
+        for spec in prim.GetPrimStack():
+            written = spec.variantSelections if spec.HasInfo("variantSelection") else {}
+            for name, selection in written.items():
+                evaluated = self._evaluated(spec.layer, selection) if selection[:1] == "`" else None
+                if evaluated and evaluated.problem:
+                    field, file = f"variantSelection:{name}", spec.layer.identifier
+                    site = Site(path, field, None, file, str(spec.path))
+                    yield Failure(
+                        path, "bad-expression", "variant selection", selection, "", site, evaluated
+                    )
 
     def _check(
         self, prim: Usd.Prim, spec: Sdf.PrimSpec, arc: str, field: str, item: Sdf.Reference

@@ -176,7 +176,8 @@ def relative_pattern(render_pass: Pass, context: Context) -> Iterator[Finding]:
     """A pattern does not begin at the root, and so leads to something below the pass."""
     for found in render_pass.collections:
         for pattern in found.patterns:
-            if pattern.relative:
+            leads = pattern.start.path != render_pass.path and pattern.start.state is State.LIVE
+            if pattern.relative and not leads:
                 yield Finding(
                     pattern,
                     f"'{pattern.relative}' of '{found.name}' is relative to <{render_pass.path}>: "

@@ -381,7 +381,11 @@ def _what_failed(error: ArcError) -> str:
             return f"the {error.arc} @{error.asset}@{into} leads to no file"
         case "bad-expression":
             problem = error.said[:1].lower() + error.said[1:]
-            return f"the {error.arc} @{error.asset}@{into} is no expression that USD can evaluate: {problem}"
+            is_asset = error.arc != "variant selection"
+            written = f"@{error.asset}@" if is_asset else f"'{error.asset}'"
+            return (
+                f"the {error.arc} {written}{into} is no expression that USD can evaluate: {problem}"
+            )
         case "missing-prim" if error.asset:
             return f"@{error.asset}@ has no prim <{error.prim}> for the {error.arc}{into}"
         case "missing-prim":
@@ -405,7 +409,7 @@ def _what_to_do(error: ArcError) -> str:
     match error.kind:
         case "foreign-format" | "foreign-resolver":
             return "what it holds is unknown here, not missing"
-        case "missing-asset" if error.unset:
+        case "missing-asset" | "bad-expression" if error.unset:
             return f"write {joined(error.unset)} in the expressionVariables of the root layer"
         case "missing-asset":
             return "correct the path, or bring the file; what it holds is missing from the render"
