@@ -22,13 +22,14 @@ from shows import CLEAN, FAILED, STRAY, WARNED, Call, Write, call, found, show, 
 from usdrender_lint import __version__, renderers
 from usdrender_lint import config as config_package
 from usdrender_lint.cli import command
-from usdrender_lint.config import Configuration
+from usdrender_lint.config import ConfigError, Configuration
 from usdrender_lint.config.find import Configurations
 from usdrender_lint.config.keys import FILE_OF_KEYS, KEYS
 from usdrender_lint.config.kinds import faults
 from usdrender_lint.config.own_renderers import FILE_OF_RENDERER
 from usdrender_lint.config.places import places
 from usdrender_lint.config.schema import URL, schema
+from usdrender_lint.config.toml import load
 from usdrender_lint.lint import Config
 from usdrender_lint.registry import all_rules, matching
 from usdrender_lint.rule import Severity
@@ -898,3 +899,22 @@ def test_the_schema_refuses_what_the_program_refuses(name: str, value: object) -
     assert [*faults(FILE_OF_KEYS, {name: value}, ())]
     with pytest.raises(jsonschema.ValidationError):
         jsonschema.validate({name: value}, schema())
+
+
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("fail-on = error", 'error is no value: did you mean "error"?'),
+        ("ignore = [unused-settings]", 'unused-settings is no value: did you mean "unused-settings"?'),
+        ("scene = True", "True is no value: did you mean true?"),
+    ],
+)  # fmt: skip
+def test_a_value_without_quotes(tmp_path: Path, written: str, told: str) -> None:
+    file = tmp_path / "usdrender-lint.toml"
+    file.write_text(f"{written}\n")
+    with pytest.raises(ConfigError) as refused:
+        load(file)
+    (wrong,) = refused.value.wrongs
+    assert wrong.message == f"not TOML: {told}"
+    assert wrong.span is not None
+    assert wrong.span.line == 1

@@ -419,13 +419,24 @@ class TestRoots:
         assert told(report) == []
         assert report.through == ("shot.usda",)
 
+    @pytest.mark.parametrize(
+        ("text", "kind"),
+        [("version https://git-lfs.github.com/spec/v1\n", "lfs-pointer"), ("", "unreadable-file")],
+    )
+    def test_a_root_that_cannot_be_read_may_use_the_layer(
+        self, tmp_path: Path, text: str, kind: str
+    ) -> None:
+        files = SHOT | {"other.usda": text}
+        report = linted(tmp_path, files, "camera.usda", roots=("shot.usda", "other.usda"))
+        assert [(p.path, p.kind) for p in report.problems] == [("other.usda", kind)]
+        assert report.through == ("shot.usda",)
+
     def test_roots_without_effect_are_told(self, tmp_path: Path) -> None:
-        files = SHOT | {"old.usda": part(SCOPE), "lfs.usda": "version https://git-lfs.github.com/"}
-        report = linted(tmp_path, files, "old.usda", roots=("shot.usda", "no/*.usda", "lfs.usda"))
+        files = SHOT | {"old.usda": part(SCOPE)}
+        report = linted(tmp_path, files, "old.usda", roots=("shot.usda", "no/*.usda"))
         assert "default-settings-unset old.usda in old.usda" in told(report)
         assert report.notes == (
             "no file matches the root 'no/*.usda'",
-            "lfs.usda cannot be read: whether it uses these layers is not known",
             "no root uses old.usda, which is linted as a stage of its own",
         )
 

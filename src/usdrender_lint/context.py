@@ -82,13 +82,11 @@ def planned(
         reach = uses.of(str(file))
         about = layers & (reach.stack | reach.maybe)
         mentioned |= about
-        if not reach.sure:
+        if not reach.sure or root in uses.unreadable:  # that is told where it is opened
             about = layers
         if about and root not in asked:
             added.append(Target(str(file), shown(file), tuple(sorted(about))))
     notes = [f"no file matches the root '{shown(pattern)}'" for pattern in idle]
-    if unread := [shown(file) for file in sorted(uses.unreadable & roots.keys()) if layers]:
-        notes.append(f"{_some(unread)} cannot be read: whether it uses these layers is not known")
     return Plan(tuple(given), tuple(added), frozenset(roots), frozenset(mentioned), tuple(notes))
 
 

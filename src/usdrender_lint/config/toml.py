@@ -11,6 +11,7 @@ from . import ConfigError, Wrong
 from .places import Stretch
 from .wrong import wrong_at
 
+_BARE = lazily(r"[A-Za-z_][\w.:/*-]*")
 _AT = lazily(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 
 
@@ -52,6 +53,10 @@ def _not_toml(file: Path, text: str, said: str) -> ConfigError:
         lines = text.split("\n")
         at = sum(len(line) + 1 for line in lines[: int(found[1]) - 1]) + int(found[2]) - 1
     what = said[: found.start()] if found else said
+    if what == "Invalid value" and (bare := _BARE.match(text, at)):
+        word = bare[0].lower() if bare[0].lower() in ("true", "false") else f'"{bare[0]}"'
+        what = f"{bare[0]} is no value: did you mean {word}?"
+        return ConfigError([wrong_at(file, text, Stretch(*bare.span()), f"not TOML: {what}")])
     what = f"not TOML: {what[:1].lower()}{what[1:]}"
     if at >= len(text):
         # Behind the last line break there is nothing to show.
