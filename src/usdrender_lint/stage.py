@@ -165,24 +165,24 @@ def promised(stage: Usd.Stage, first: Sdf.Path, suffix: str = "") -> set[Sdf.Pat
 def render_prims(opened: Opened) -> list[Usd.Prim]:
     """Every prim of a render type that is populated, in the scopes or elsewhere, whatever its state."""
     if opened.render_prims is None:
-        found, others = list[Usd.Prim](), set[str]()
+        found, known = list[Usd.Prim](), dict[str, bool]()
         for prim in everything(opened.stage):
             # There may be a million prims of a few types: only the first of each is asked what it is.
             name = _type_name(prim)
-            if name in others:
-                continue
-            if is_render_prim(prim):
+            if name not in known:
+                known[name] = is_render_prim(prim)
+            if known[name]:
                 found.append(prim)
-            else:
-                others.add(name)
+        others = (name for name, is_rendered in known.items() if not is_rendered)
         opened.render_prims, opened.other_types = found, frozenset(others)
     return opened.render_prims
 
 
 def everything(stage: Usd.Stage) -> Iterator[Usd.Prim]:
     """All prims that are populated, whatever their state."""
-    for top in stage.GetPseudoRoot().GetAllChildren():
-        yield from all_below(top)
+    found = all_below(stage.GetPseudoRoot())
+    next(found)  # the root itself
+    return found
 
 
 def in_scopes(opened: Opened) -> list[Usd.Prim]:

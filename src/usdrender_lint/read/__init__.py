@@ -235,14 +235,18 @@ class _Reader:
     def _scope_prims(self) -> Iterator[ScopePrim]:
         """The scopes, and the groups below them that are no render prims themselves."""
         definitions = Definitions(RENDER_TYPES)
-        for one in self._prims.groups:
+        for number, one in enumerate(self._prims.in_scopes):
+            if one.is_render_prim:
+                continue
+            # Mostly the next prim or the one after tells, and spares a walk over specs.
+            near = self._prims.in_scopes[number + 1 : number + 3]
             yield ScopePrim(
                 one.path,
                 one.type_name,
                 one.state,
                 Site(one.path),
                 _state_site(one),
-                definitions.hold(one.stack),
+                any(_is_defined_in(below, one) for below in near) or definitions.hold(one.stack),
                 self._failures.hiding(one.path),
             )
 
@@ -280,11 +284,11 @@ class _Reader:
     def _missing_variants(self) -> Iterator[VariantChoice]:
         for one in self._prims.in_scopes:
             selections: dict[str, str] = {}
-            for spec in one.stack if not one.is_proxy else ():
+            for spec in one.stack:
                 if spec.HasInfo("variantSelection"):
                     for name, selection in spec.variantSelections.items():
                         selections.setdefault(str(name), str(selection))
-            if not selections or self._failures.hiding(path := one.path):
+            if not selections or one.is_proxy or self._failures.hiding(path := one.path):
                 continue
             sets = one.prim.GetVariantSets()
             for name, selection in sorted(selections.items()):
@@ -342,8 +346,20 @@ def _essential(prims: list[RenderPrim], scopes: tuple[str, ...]) -> Iterator[str
                 yield from (t.path for t in rel.targets if t.state is not State.LIVE)
 
 
+def _is_defined_in(prim: Asked, group: Asked) -> bool:
+    """A layer that says something of the group defines the render prim below it."""
+    return prim.at.HasPrefix(group.at) and any(
+        spec.typeName in RENDER_TYPES
+        and spec.specifier is Sdf.SpecifierDef
+        and spec.layer == above.layer
+        and spec.path.HasPrefix(above.path)
+        for spec in prim.stack
+        for above in group.stack
+    )
+
+
 def _other_types(one: Asked) -> Iterator[TypeOpinion]:
-    for spec in one.stack:
+    for spec in one.stack if len(one.stack) > 1 else ():
         name = spec.typeName
         if name in RENDER_TYPES and name != one.type_name:
             site = Site(one.path, "typeName", None, spec.layer.identifier, str(spec.path))

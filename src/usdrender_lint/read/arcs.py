@@ -142,6 +142,8 @@ class Failures:
 
     def errors(self, essential: Iterable[str]) -> tuple[ArcError, ...]:
         """One error a cause. `essential`: prims whose loss a render feels."""
+        if not self._found:
+            return ()
         # What an essential prim stands below is essential, too.
         needed = {above for path in essential for above in _prefixes(path)}
         grouped: dict[tuple[str, ...], list[Failure]] = {}
