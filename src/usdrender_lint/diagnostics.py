@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from contextlib import ExitStack, suppress
+from contextlib import suppress
 from typing import Any
 
 from pxr import Tf
@@ -28,33 +28,31 @@ class Diagnostics:
 
     def __init__(self) -> None:
         self.messages: list[str] = []
-        self._ending = ExitStack()
+        self._context: Any = None
         self._trap: Any = None
 
     def __enter__(self) -> Diagnostics:
         # Tf.DiagnosticTrap is absent in 25.11; importing UsdUtils costs 58 ms.
         if hasattr(Tf, "DiagnosticTrap"):
-            self._trap = self._ending.enter_context(Tf.DiagnosticTrap())
+            self._context = Tf.DiagnosticTrap()
+            self._trap = self._context.__enter__()
         else:
             from pxr import UsdUtils
 
             self._trap = UsdUtils.CoalescingDiagnosticDelegate()
         return self
 
-    def __exit__(self, *_: object) -> None:
+    def __exit__(self, *error: object) -> None:
         self.collect()
-        self._ending.close()
-        self._trap = None
+        if self._context is not None:
+            self._context.__exit__(*error)
+        self._context = self._trap = None
 
     def collect(self) -> None:
         """Take what was said so far. What is left in a trap is printed when it ends."""
-        if hasattr(self._trap, "TakeUncoalescedDiagnostics"):
-            said = self._trap.TakeUncoalescedDiagnostics()
-        else:
-            said = [
-                *self._trap.GetErrors(),
-                *self._trap.GetWarnings(),
-                *self._trap.GetStatuses(),
-            ]
+        if self._context is None:
+            self.messages += sentences(self._trap.TakeUncoalescedDiagnostics())
+        elif not self._trap.IsClean():
+            errors, warnings = self._trap.GetErrors(), self._trap.GetWarnings()
+            self.messages += sentences([*errors, *warnings, *self._trap.GetStatuses()])
             self._trap.Clear()
-        self.messages.extend(sentences(said))

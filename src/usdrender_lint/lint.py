@@ -335,10 +335,10 @@ def _merge(findings: Iterable[Located]) -> tuple[Located, ...]:
     opinion gives to several prims."""
     merged: dict[tuple[object, ...], Located] = {}
     for finding in findings:
-        known = merged.get(finding.identity)
-        if known is not None:
+        identity = finding.identity
+        if known := merged.get(identity):
             finding = replace(known, roots=tuple(sorted({*known.roots, *finding.roots})))
-        merged[finding.identity] = finding
+        merged[identity] = finding
     return tuple(_numbered(sorted(_shared(merged.values()), key=lambda f: f.sort_key)))
 
 
@@ -347,6 +347,9 @@ def _shared(findings: Iterable[Located]) -> Iterator[Located]:
     for finding in findings:
         sharing.setdefault(finding.shared_with, []).append(finding)
     for shared in sharing.values():
+        if len(shared) == 1 and len(shared[0].roots) == 1:  # most are
+            yield shared[0]
+            continue
         first, *others = sorted(shared, key=lambda f: f.sort_key)
         also = tuple(sorted({f.prim_path for f in others} - {first.prim_path}))
         roots = tuple(sorted({root for f in shared for root in f.roots}))
@@ -364,5 +367,6 @@ def _numbered(findings: Iterable[Located]) -> Iterator[Located]:
     """A rule may say two things of one property: each is known by a fingerprint of its own."""
     seen: Counter[tuple[str, ...]] = Counter()
     for finding in findings:
-        seen[finding.known_by] += 1
-        yield replace(finding, nth=seen[finding.known_by])
+        known_by = finding.known_by
+        seen[known_by] += 1
+        yield finding if seen[known_by] == finding.nth else replace(finding, nth=seen[known_by])

@@ -62,7 +62,6 @@ def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
             result = _File(file, config, shown).lint()
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
             result = _failed(file, error)
-        said.collect()
     if not said.messages:
         return result
     # USD composes in several threads: who speaks first is chance.

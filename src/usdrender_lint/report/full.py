@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from pathlib import Path, PurePath
 
 from ..printable import escaped
@@ -114,7 +115,7 @@ def fault(place: str, span: Span | None, source: str | None, message: str, *, co
 
 def shown(location: Location, base: Path | None = None) -> str:
     """The layer's file as seen from `base`, or as the report has it; and the member of a package."""
-    path = escaped((base and _below(PurePath(location.file), base)) or location.path)
+    path = escaped((base and _below(location.file, base)) or location.path)
     return f"{path}[{escaped(location.member)}]" if location.member else path
 
 
@@ -248,11 +249,13 @@ def _root_shown(root: str, location: Location, base: Path | None) -> str:
     top = file.removesuffix(f"/{location.path}")
     if base is None or top == file:
         return escaped(root)
-    return escaped(_below(PurePath(top, root), base) or root)
+    return escaped(_below(str(PurePath(top, root)), base) or root)
 
 
-def _below(file: PurePath, base: Path) -> str | None:
-    return file.relative_to(base).as_posix() if file.is_relative_to(base) else None
+@lru_cache
+def _below(file: str, base: Path) -> str | None:
+    path = PurePath(file)
+    return path.relative_to(base).as_posix() if path.is_relative_to(base) else None
 
 
 def _source(
