@@ -536,6 +536,25 @@ def test_a_pipe_that_a_layer_brings_in_is_told_and_not_waited_for(layer: str) ->
 
 
 @posix
+@pytest.mark.parametrize("odd", ["pipe", "link", "far"])
+def test_a_pipe_is_found_among_many_files(odd: str) -> None:
+    """A folder of which a layer names many files is looked through, as far as that pays."""
+    Path("parts").mkdir()
+    for number in range(40):
+        Path("parts", f"{number}.usda").write_text("#usda 1.0\n")
+    for number in range(1000 if odd == "far" else 0):
+        Path("parts", f"other_{number}.usda").touch()
+    os.mkfifo("parts/pipe" if odd == "link" else "parts/a.usda")
+    if odd == "link":
+        Path("parts/a.usda").symlink_to("pipe")
+    arcs = ", ".join(f"@./parts/{name}.usda@" for name in [*range(40), "a"])
+    Path("top.usda").write_text(f'#usda 1.0\ndef "R" (\n    references = [{arcs}]\n)\n{{\n}}\n')
+    assert error_lines("top.usda") == [
+        "error: parts/a.usda: a named pipe, not a file (brought in by top.usda)"
+    ]
+
+
+@posix
 def test_a_pipe_in_the_neighborhood_is_not_waited_for() -> None:
     """Layers beside a given one are read to learn whether they use it, in the program itself."""
     os.mkfifo("pipe.usda")

@@ -171,7 +171,7 @@ class _File:
         return result
 
     def _composed(self, layer: Sdf.Layer) -> FileResult:
-        _held, endless = sublayers_of(layer, look_through)
+        _held, endless = sublayers_of(layer, look_through, self._texts.mention)
         if endless is not None:
             return FileResult(problems=(self._unreadable(endless),))
         try:
