@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import difflib
+import sys
+from pathlib import Path
 
 import pytest
 from hypothesis import given
@@ -10,7 +12,10 @@ from hypothesis import strategies as st
 from pxr import Pcp, Sdf
 
 from usdrender_lint.likeness import is_like, likeness, most_alike
+from usdrender_lint.read import read
 from usdrender_lint.read.patterns import Op, tree
+from usdrender_lint.read.text import Texts
+from usdrender_lint.stage import open_stage
 from usdrender_lint.testing import lint_files
 
 META = '#usda 1.0\n(\n    renderSettingsPrimPath = "/Render/S"\n)\n'
@@ -138,6 +143,38 @@ def test_a_long_list_is_asked_only_about_what_is_near() -> None:
         True, False, True, False,
     ]  # fmt: skip
     assert [node.may_hold_below(p) for p in ("/World", "/World/x77/b")] == [True, True]
+
+
+def steps_of_reading(folder: Path, variables: int) -> int:
+    """Calls of functions, of Python and of its built-ins, for a stage of so many vars."""
+    more = "".join(
+        f'    def RenderVar "v{n}"\n    {{\n        uniform token dataType = "float"\n'
+        f'        uniform string sourceName = "s{n}"\n    }}\n'
+        for n in range(variables)
+    )
+    file = folder / f"{variables}.usda"
+    file.write_text(stage(more=more), "utf-8")
+    counted = 0
+
+    def count(_frame: object, event: str, _what: object) -> None:
+        nonlocal counted
+        counted += event in ("call", "c_call")
+
+    layer = Sdf.Layer.FindOrOpen(str(file))
+    opened = open_stage(layer, ("/Render",))
+    sys.setprofile(count)
+    try:
+        read(opened, Texts())
+    finally:
+        sys.setprofile(None)
+    return counted
+
+
+def test_reading_a_var_takes_few_steps(tmp_path: Path) -> None:
+    steps_of_reading(tmp_path, 1)  # what is looked up once is looked up
+    few, more = steps_of_reading(tmp_path, 10), steps_of_reading(tmp_path, 110)
+    assert few < 2800
+    assert more - few < 100 * 165
 
 
 NAMES = st.text("abcXY_1", min_size=1, max_size=8)
