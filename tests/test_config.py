@@ -20,7 +20,6 @@ from hypothesis import strategies as st
 from conftest import ROOT
 from shows import CLEAN, FAILED, STRAY, WARNED, Call, Write, call, found, show, write
 from usdrender_lint import __version__, renderers
-from usdrender_lint import config as config_package
 from usdrender_lint.cli import command
 from usdrender_lint.config import ConfigError, Configuration
 from usdrender_lint.config.find import Configurations
@@ -855,7 +854,7 @@ def test_the_options_of_keys_exist() -> None:
 
 # For editors
 
-SCHEMA = Path(config_package.__file__).parents[1] / "usdrender-lint.schema.json"
+SCHEMA = ROOT / "src" / "usdrender_lint" / "usdrender-lint.schema.json"
 
 
 def test_the_schema_is_made_of_the_keys(expect_text: Callable[[Path, str], None]) -> None:
