@@ -13,7 +13,7 @@ from .handed import bytes_at
 _SECTION = struct.Struct("<16sqq")
 _MAX_TOKENS = 1 << 28
 _LITTLE = 1 << 20
-"""Bytes of a crate whose tokens are worth keeping."""
+"""Bytes of a crate, of which the tokens of several are kept."""
 
 
 def mentions(file: str, words: Iterable[bytes], *, whole: bool = True) -> bool | None:
@@ -37,19 +37,22 @@ def tokens_of(file: str, most: int = _MAX_TOKENS) -> bytes | None:
     try:
         at = os.stat(file)
         version = at.st_ino, at.st_mtime_ns, at.st_size
-        tokens = (_tokens_of_little if at.st_size < _LITTLE else _tokens_in)(file, most, version)
+        asked = _tokens_of_little if at.st_size < _LITTLE else _tokens_of_large
+        tokens = asked(file, most, version)
     except (OSError, struct.error, IndexError, ValueError):
         return None
-    return None if tokens is None else b"\0" + tokens
+    return tokens
 
 
 def _tokens_in(file: str, most: int, _version: tuple[int, ...]) -> bytes | None:
     with open(file, "rb") as stream:
-        return _tokens(stream.read(88), stream, most)
+        tokens = _tokens(stream.read(88), stream, most)
+    return None if tokens is None else b"\0" + tokens
 
 
+# Several questions are asked of one crate, one soon after the other.
 _tokens_of_little = lru_cache(maxsize=8)(_tokens_in)
-"""Several questions are asked of one crate, one soon after the other."""
+_tokens_of_large = lru_cache(maxsize=1)(_tokens_in)
 
 
 def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
@@ -65,7 +68,8 @@ def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
             _number, plain_size, packed_size = struct.unpack("<QQQ", read(24))
             if plain_size > most or packed_size > most:
                 return None
-            return unpack(read(packed_size), plain_size)
+            plain = unpack(read(packed_size), plain_size)
+            return plain if len(plain) == plain_size else None
     return None
 
 
@@ -84,15 +88,16 @@ def unpack(packed: bytes, size: int) -> bytes:
 
 def _lz4(block: bytes, size: int) -> bytes:
     out = bytearray()
-    at, end = 0, len(block)
-    while at < end and len(out) <= size:
+    at, end, done = 0, len(block), 0
+    while at < end and done <= size:
         token = block[at]
         at += 1
-        literals = token >> 4
-        if literals == 15:
-            at, literals = _more(block, at, literals)
-        out += block[at : at + literals]
-        at += literals
+        if literals := token >> 4:
+            if literals == 15:
+                at, literals = _more(block, at, literals)
+            out += block[at : at + literals]
+            at += literals
+            done += literals
         if at >= end:
             break
         distance = block[at] | block[at + 1] << 8
@@ -101,7 +106,7 @@ def _lz4(block: bytes, size: int) -> bytes:
         if length == 15:
             at, length = _more(block, at, length)
         length += 4
-        start = len(out) - distance
+        start = done - distance
         if distance <= 0 or start < 0:
             raise ValueError("a match before the beginning")
         if distance >= length:
@@ -109,6 +114,7 @@ def _lz4(block: bytes, size: int) -> bytes:
         else:
             pattern = bytes(out[start:])
             out += (pattern * (length // distance + 1))[:length]
+        done += length
     return bytes(out)
 
 

@@ -19,6 +19,7 @@ _KIND = r"(?:[Ss]ettings?|[Pp]roducts?|[Vv]ars?|[Pp]ass(?:es)?)"
 _TYPE = lazily(f"(?:Usd)?[Rr]ender{_KIND}")
 """Of the names that come near a type's, only these are looked for outside the scopes."""
 _IN_TOKENS = lazily(f"(?:Usd)?[Rr]ender{_KIND}".encode())
+_PART = lazily(f"ender{_KIND}".encode())
 _WORD = lazily(  # with a literal beginning the search is eight times as fast
     rb"ender(?:(?<=\bRender)(?:Settings|Product|Var|Pass)\b"
     rb"|(?:(?<=\b[Rr]ender)|(?<=\bUsd[Rr]ender))" + _KIND.encode() + rb'(?=\s+"))'
@@ -71,7 +72,7 @@ def _in_layer(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
 
 
 def _in_crate(file: str, layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
-    typed = crate_types(file, _IN_TOKENS)
+    typed = crate_types(file, _IN_TOKENS, _PART)
     if typed is not None and typed.count <= _inside(layer, scopes):
         return ()
     paths = typed.paths() if typed is not None else None
