@@ -20,6 +20,7 @@ SOURCE = ROOT / "src" / PACKAGE
 
 OUTSIDE = {
     "pxr": (
+        "ready",
         "diagnostics",
         "opening",
         "stage",
@@ -50,6 +51,7 @@ LAYERS = (
     ("workers",),
     ("headstart",),
     ("worker",),
+    ("ready",),
     ("lint", "lint_file", "ignores", "variants"),
     ("report", "report.*", "output"),
     ("run", "signs", "settle", "locate", "concerns", "suppress", "baseline"),

@@ -180,6 +180,29 @@ print({r.chatter for r in results})
         assert done.stdout.strip() == str({(told, told)})
 
 
+def test_who_is_ready_has_all_that_a_stage_would_wait_for_and_one_thread() -> None:
+    """Another thread would make it impossible to copy the process."""
+    code = """
+import sys, threading
+from usdrender_lint.ready import get_ready
+get_ready()
+modules = set(sys.modules)
+from usdrender_lint.lint import lint
+assert not lint(sys.argv[1:]).findings
+late = [m for m in set(sys.modules) - modules if m.startswith(("pxr", "usdrender_lint.rules"))]
+print(threading.active_count(), late)
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(CLEAN)],
+        capture_output=True,
+        text=True,
+        env=ENVIRONMENT,
+        timeout=120,
+        check=True,
+    )
+    assert done.stdout == "1 []\n"
+
+
 @linux
 def test_with_standard_input_and_error_closed() -> None:
     done = subprocess.run(

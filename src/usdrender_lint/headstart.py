@@ -36,7 +36,9 @@ def _has_one_core() -> bool:
 
 
 def _get_ready(channel: Pipes) -> None:
-    from . import lint_file  # noqa: F401 it imports USD
+    from .ready import get_ready
+
+    get_ready()
     from .worker import serve_whatever
 
     serve_whatever(channel)

@@ -18,6 +18,7 @@ from .frames import Channel, framed, packed, received, unpacked
 from .handed import accept, handed_over
 from .lint import Config, FileResult, lint_here
 from .machine import most_memory
+from .ready import get_ready
 from .records import dataclass
 
 
@@ -53,8 +54,7 @@ class Linting:
     handed: Mapping[str, str] = field(default_factory=handed_over)
 
     def prepare(self) -> None:
-        from . import lint_file  # noqa: F401 it imports USD
-
+        get_ready()
         accept(self.handed)
 
     def __call__(self, order: Order, /) -> FileResult:
