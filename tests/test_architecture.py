@@ -79,6 +79,7 @@ LAYERS = (
         "machine",
         "frames",
         "copies",
+        "aside",
     ),
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),

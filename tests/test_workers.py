@@ -13,6 +13,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -92,6 +93,13 @@ class Telling(Doing):
         return FileResult(chatter=(str(os.environ.get("PXR_WORK_THREAD_LIMIT")),))
 
 
+@dataclass(frozen=True)
+class Printing(Doing):
+    def __call__(self, file: Target) -> FileResult:
+        os.write(2, file.shown.encode())
+        return FileResult(chatter=("said",))
+
+
 def named(*names: str) -> list[Target]:
     return [Target(name, name) for name in names]
 
@@ -102,6 +110,39 @@ def told(results: list[FileResult | None]) -> list[str]:
         "nothing" if r is None else r.problems[0].kind if r.problems else r.layers[0]
         for r in results
     ]
+
+
+# What libraries print
+
+
+@pytest.mark.parametrize("start", STARTS)
+def test_what_a_file_makes_a_worker_print_is_told_of_it(
+    start: workers.Start, capfd: pytest.CaptureFixture[str]
+) -> None:
+    results = run(Printing(), named("one", "", "x" * 5000), Isolated(1), start)
+    assert [r.chatter for r in results if r] == [
+        ("said", "one"),
+        ("said",),
+        ("said", f"{'x' * 2000} ... and 3000 bytes more"),
+    ]
+    assert capfd.readouterr().err == ""
+
+
+def test_what_is_printed_in_this_process_is_told_with_v_only(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def lint_here(asked: list[Any], shown: Shown) -> list[FileResult]:
+        os.write(2, b"posix_madvise failed\n")
+        return [FileResult(layers=(file.shown,)) for file, _ in asked]
+
+    monkeypatch.setattr(workers, "lint_here", lint_here)
+    for more, told in (((), False), (("-v",), True)):
+        main(["-j", "0", "--isolated", *more, str(CLEAN)])
+        said = capfd.readouterr()
+        assert "posix_madvise" not in said.err
+        assert ("USD: posix_madvise failed" in said.out) is told
+    os.write(2, b"heard again")
+    assert capfd.readouterr().err == "heard again"
 
 
 # Death and delay

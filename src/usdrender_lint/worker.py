@@ -8,9 +8,10 @@ import signal
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any, Protocol
 
+from .aside import Aside, listening
 from .copies import do_and_exit
 from .discover import Shown
 from .discover import Target as File
@@ -101,6 +102,13 @@ def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) 
         _limit_threads(limits.threads)
     work.prepare()
     channel.sendall(framed(b""))
+    with listening() as aside:
+        _serve(channel, work, files, limits, aside)
+
+
+def _serve(
+    channel: Channel, work: Work, files: Sequence[Named], limits: Limits, aside: Aside | None
+) -> None:
     while True:
         try:
             asked = unpacked(received(channel))
@@ -111,7 +119,10 @@ def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) 
                 # Should nobody be left to tell that it takes too long.
                 signal.alarm(math.ceil(limits.seconds) + 5)
             file = files[one] if isinstance(one, int) else one
-            channel.sendall(framed(packed(work(file))))
+            result = work(file)
+            if aside is not None and (said := aside.taken()):
+                result = replace(result, chatter=(*result.chatter, *said))
+            channel.sendall(framed(packed(result)))
         if hasattr(signal, "alarm"):  # waiting for more takes as long as it takes
             signal.alarm(0)
 
@@ -121,6 +132,7 @@ def _limit_threads(most: int) -> None:
     if "PXR_WORK_THREAD_LIMIT" in os.environ:
         return
     os.environ["PXR_WORK_THREAD_LIMIT"] = str(most)
+    os.environ.setdefault("TF_ENV_SETTING_ALERTS_ENABLED", "0")  # USD would print that it is set
     if "pxr" in sys.modules:  # it has read its environment by now
         from .stage import limit_threads
 

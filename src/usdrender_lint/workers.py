@@ -20,6 +20,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import field, replace
 
 from . import headstart
+from .aside import listening
 from .copies import can_be_copied, copied, fill_closed_streams
 from .discover import Shown
 from .frames import Channel, framed, frames_in, packed, unpacked
@@ -78,12 +79,12 @@ class Isolated:
     def __call__(self, asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
         start = _way()
         if start is None or self.jobs == 0 or not asked:
-            return lint_here(asked, shown)
+            return _lint_here(asked, shown)
         fill_closed_streams()
         results = run(Linting(shown), [Order(*one) for one in asked], self, start)
         # What no worker could be started for.
         left = [one for one, result in zip(asked, results, strict=True) if result is None]
-        here = iter(lint_here(left, shown))
+        here = iter(_lint_here(left, shown))
         return [next(here) if result is None else result for result in results]
 
     def limits(self, files: int) -> Limits:
@@ -348,6 +349,15 @@ def _late(file: Named, limit: float) -> FileResult:
 
 
 # How a worker comes to be
+
+
+def _lint_here(asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
+    if not asked:
+        return []
+    with listening() as aside:
+        *results, last = lint_here(asked, shown)
+        said = aside.taken() if aside is not None else ()
+        return [*results, replace(last, chatter=(*last.chatter, *said))]
 
 
 def _way() -> Start | None:

@@ -1,0 +1,74 @@
+"""What do libraries print to standard error by themselves, past all that Python could catch?
+
+It is told with `-v`, and never stands between what this program says.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+_STDERR = 2
+_MOST = 2000
+"""Bytes to be told; whoever prints more repeats himself."""
+
+
+class Aside:
+    """A file that takes what is printed."""
+
+    def __init__(self) -> None:
+        if hasattr(os, "memfd_create"):
+            self._number = os.memfd_create("stderr")
+        else:
+            from pathlib import Path
+            from tempfile import mkstemp
+
+            self._number, name = mkstemp()
+            with suppress(OSError):  # it vanishes when it is closed, where a system can do that
+                Path(name).unlink()
+        os.dup2(self._number, _STDERR)
+
+    def taken(self) -> tuple[str, ...]:
+        """What was printed since this was asked."""
+        _flush()
+        size = os.lseek(self._number, 0, os.SEEK_CUR)
+        if not size:
+            return ()
+        os.lseek(self._number, 0, os.SEEK_SET)
+        text = os.read(self._number, _MOST).decode(errors="replace").strip()
+        os.ftruncate(self._number, 0)
+        os.lseek(self._number, 0, os.SEEK_SET)
+        return (f"{text} ... and {size - _MOST} bytes more" if size > _MOST else text,)
+
+    def close(self) -> None:
+        os.close(self._number)
+
+
+@contextmanager
+def listening() -> Iterator[Aside | None]:
+    """Nothing is printed meanwhile. None where there is no standard error, or no room for a file."""
+    _flush()
+    try:
+        before = os.dup(_STDERR)
+    except OSError:
+        yield None
+        return
+    aside = None
+    with suppress(OSError):
+        aside = Aside()
+    try:
+        yield aside
+    finally:
+        _flush()
+        os.dup2(before, _STDERR)
+        os.close(before)
+        if aside is not None:
+            aside.close()
+
+
+def _flush() -> None:
+    if sys.stderr is not None:
+        with suppress(OSError, ValueError):
+            sys.stderr.flush()
