@@ -474,6 +474,20 @@ class TestSyntax:
         (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
         assert told(finding.location) == ("main.usda", 'pathExpression e = "/a {$}')
 
+    @pytest.mark.parametrize("arc", ["sublayer", "reference"])
+    def test_the_way_to_an_expression(self, shot: Shot, arc: str) -> None:
+        brings = "(\n    subLayers = [@low.usda@]\n)\n"
+        by = {
+            "sublayer": "(\n    subLayers = [@mid.usda@]\n)\n",
+            "reference": 'def "Render" (\n    references = @mid.usda@</A>\n)\n{\n}\n',
+        }
+        expression = 'def "A"\n{\n    pathExpression e = "//{"\n}\n'
+        shot.write(main=by[arc], mid=brings, low=expression)
+        (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings
+        assert finding.rule.id == "syntax-error"
+        steps = [(step.arc, step.path) for step in finding.chain]
+        assert steps == [(arc, "mid.usda"), ("sublayer", "low.usda")]
+
     def test_an_expression_is_where_it_breaks_off(self, shot: Shot) -> None:
         shot.write(main='def "A"\n{\n    pathExpression e = "//{"\n}\n')
         (finding,) = lint([str(shot.folder / "main.usda")], cwd=shot.folder).findings

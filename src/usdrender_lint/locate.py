@@ -80,6 +80,8 @@ class Locator:
         return Opinion(path, target, _translated(message, translate))
 
     def _chain(self, site: Site, spot: Spot | None) -> tuple[Step, ...]:
+        if site.spec and site.field == SYNTAX and (layer := Sdf.Layer.Find(site.layer or "")):
+            spot = Spot(layer, site.spec)
         if self._stage is None or spot is None:
             return ()
         key = site.prim_path, spot.layer.identifier
