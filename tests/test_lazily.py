@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import copy
 import gc
+import pickle
 import re
 import subprocess
 import sys
+from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
@@ -39,6 +42,16 @@ def test_it_does_what_the_compiled_one_does() -> None:
         assert getattr(late, fact) == getattr(early, fact)
     with pytest.raises(AttributeError):
         late.nonsense  # type: ignore[attr-defined]  # noqa: B018
+
+
+@pytest.mark.parametrize("copied", [copy.copy, lambda one: pickle.loads(pickle.dumps(one))])  # noqa: S301
+def test_it_is_copied_before_and_after_it_is_compiled(
+    copied: Callable[[re.Pattern[str]], re.Pattern[str]],
+) -> None:
+    one = lazily("a+", re.I)
+    assert copied(one).match("AA")
+    assert one.match("aa")
+    assert copied(one).match("AA")
 
 
 def test_it_compiles_once_and_not_before() -> None:

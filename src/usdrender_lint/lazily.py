@@ -34,6 +34,10 @@ class _Later:
     def __init__(self, pattern: Any, flags: int) -> None:
         self._asked = (pattern, flags)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copied or pickled without what was compiled, as Python does it with its own."""
+        return _Later, self._asked
+
     def __getattr__(self, name: str) -> object:
         """Called for what is not there yet: after the first time everything is."""
         compiled = re.compile(*self._asked)
