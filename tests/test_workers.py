@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -247,6 +248,49 @@ def test_nothing_is_left_open(start: workers.Start) -> None:
     assert count() == before
 
 
+@linux
+@pytest.mark.parametrize("failing", ["pipe", "fork"])
+def test_nothing_is_left_open_where_no_process_can_be_had(
+    failing: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really, asked = os.pipe, list[int]()
+
+    def opened() -> set[Path]:
+        return {*Path("/proc/self/fd").iterdir()}
+
+    def fails() -> tuple[int, int]:
+        asked.append(1)
+        if len(asked) < 3 and failing == "pipe":
+            return really()
+        raise BlockingIOError
+
+    monkeypatch.setattr(os, failing, fails)
+    before = opened()
+    assert run(Doing(), named("a", "b"), Isolated(2), forked) == [None, None]
+    assert opened() == before
+
+
+def test_what_goes_wrong_in_a_worker_is_not_taken_for_its_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """One that waits for work ends well only if nobody has any."""
+    asked: list[str] = []
+
+    def fails(*_: object) -> None:
+        asked.append("served")
+        raise OSError("a library that cannot be loaded")
+
+    monkeypatch.setattr(worker, "serve", fails)
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        ours.sendall(worker.introduced(Doing(), (), worker.Limits(0, None)))
+        with pytest.raises(OSError, match="cannot be loaded"):
+            worker.serve_whatever(theirs)
+        ours.close()
+        worker.serve_whatever(theirs)
+    assert asked == ["served"]
+
+
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_a_worker_that_waits_takes_the_next_run(start: workers.Start, jobs: int) -> None:
@@ -285,6 +329,46 @@ def test_a_pause_of_all_is_nobodys_delay() -> None:
     crew._forgive(30.0)
     assert worker.since == 130.0
     crew._workers.clear()
+
+
+# In a host
+
+
+def test_threads_lint_one_after_the_other(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two at a time would each give back a standard error that is not the host's."""
+    from usdrender_lint import lint_file
+
+    inside, most, errors = 0, [0], sys.stderr
+
+    def composed(*_: object) -> FileResult:
+        nonlocal inside
+        inside += 1
+        most.append(inside)
+        time.sleep(0.02)
+        inside -= 1
+        return FileResult()
+
+    monkeypatch.setattr(lint_file._File, "_composed", composed)
+    threads = [threading.Thread(target=lint, args=([str(CLEAN)],)) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert (max(most), len(most)) == (1, 5)
+    assert sys.stderr is errors
+
+
+@pytest.mark.parametrize("handler", [None, signal.SIG_DFL])
+def test_what_a_host_does_when_it_is_terminated_stays(
+    handler: object, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """None: something that is not Python's, which Python could take away and not give back."""
+    handlers = [handler]
+    monkeypatch.setattr(signal, "getsignal", lambda _: handlers[-1])
+    monkeypatch.setattr(signal, "signal", lambda _, new: handlers.append(new) or handlers[-2])
+    assert main([str(CLEAN), "-j0", "-q"]) == 0
+    assert handlers[-1] is handler
+    assert len(handlers) == (1 if handler is None else 3)
 
 
 # What crosses

@@ -26,8 +26,10 @@ def _terminate(*_: object) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     before = None
-    with suppress(ValueError):  # not the main thread of its host
-        before = signal.signal(signal.SIGTERM, _terminate)
+    # A handler that is not Python's, as that of a host may be, could not be put back.
+    if signal.getsignal(signal.SIGTERM) is not None:
+        with suppress(ValueError):  # not the main thread of its host
+            before = signal.signal(signal.SIGTERM, _terminate)
     try:
         if argv is None:
             argv = sys.argv[1:]

@@ -90,11 +90,19 @@ def copied(task: Callable[[Pipes], None], others: Iterable[Channel] = ()) -> Cop
     """A copy of this process that does `task` and ends. It holds on to nothing that belongs to the
     `others`, and neither speaks nor listens but through its end of the pipes.
 
-    Raises `OSError` where there are too many processes, or no memory for one more.
+    Raises `OSError` where there are too many processes or open files, or no memory for one more.
     """
-    tasks, results, life = os.pipe(), os.pipe(), os.pipe()
+    ends: list[int] = []
+    try:
+        for _ in range(3):
+            ends += os.pipe()
+        pid = os.fork()
+    except OSError:
+        for end in ends:
+            os.close(end)
+        raise
+    tasks, results, life = ends[:2], ends[2:4], ends[4:]
     ours = Lifeline(results[0], tasks[1], life[1])
-    pid = os.fork()
     if pid == 0:
 
         def live() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from _thread import allocate_lock
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stderr
 from dataclasses import replace
@@ -55,9 +56,13 @@ _DAMAGED = lazily(r"Corrupt asset|Failed verification|[Uu]npack")
 """What USD says where a layer opens and its values or names make no sense."""
 
 
+_ALONE = allocate_lock()
+"""What USD prints is caught in the place of standard error, which all threads of a host share."""
+
+
 def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
     """Open, read, run, settle and locate; nothing of USD outlives the call."""
-    with Diagnostics() as said:
+    with _ALONE, Diagnostics() as said:
         try:
             result = _File(file, config, shown).lint()
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others

@@ -91,8 +91,11 @@ def introduced(work: Work, files: Sequence[Named], limits: Limits) -> bytes:
 
 def serve_whatever(channel: Channel) -> None:
     """As `serve`, of a process that begins without knowing what it will have to do."""
-    with suppress(EOFError, OSError):  # nobody wants anything
-        serve(channel, *unpacked(received(channel)))
+    try:
+        told = received(channel)
+    except (EOFError, OSError):  # nobody wants anything
+        return
+    serve(channel, *unpacked(told))
 
 
 def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:
