@@ -9,6 +9,19 @@ from ..rule import Finding
 
 HANDFUL = 4
 
+LACKING = (
+    "default-resolution",
+    "empty-product-name",
+    "empty-source-name",
+    "input-pass-without-output",
+    "missing-camera",
+    "missing-render-source",
+    "product-without-vars",
+    "settings-without-products",
+)
+"""Rules that tell that a prim does not say something. Where it does, but in a way that nobody reads,
+that is the cause, and told instead."""
+
 
 def handful(findings: Iterable[Finding], what: str) -> Iterator[Finding]:
     """A few findings of one cause, which is what their label says, as they are; of more only the

@@ -16,6 +16,7 @@ from ..model import (
     State,
 )
 from ..rule import Context, Finding, Severity, Sign, rule
+from ._handful import LACKING
 from ._words import a_or_an, joined, nearest, one_of
 
 GROUP = "property"
@@ -26,16 +27,7 @@ GROUP = "property"
     on=RenderPrim,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=(
-        "default-resolution",
-        "empty-product-name",
-        "empty-source-name",
-        "input-pass-without-output",
-        "missing-camera",
-        "missing-render-source",
-        "product-without-vars",
-        "settings-without-products",
-    ),
+    supersedes=LACKING,
     by_itself=True,
     about=(Sign.ODD_PROPERTY,),
 )

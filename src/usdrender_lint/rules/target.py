@@ -8,6 +8,7 @@ from fnmatch import fnmatchcase
 from ..model import EXPECTED, Pass, Property, Rel, RenderPrim, RenderScope, Site, State, Target
 from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._chains import start_of, why_not_live
+from ._handful import LACKING
 from ._words import a_or_an, did_you_mean
 
 GROUP = "property"
@@ -243,17 +244,7 @@ def target_outside_reference(prim: RenderPrim, context: Context) -> Iterator[Fin
     on=RenderPrim,
     severity=Severity.ERROR,
     since="0.1",
-    supersedes=(
-        "default-resolution",
-        "empty-product-name",
-        "empty-source-name",
-        "input-pass-without-output",
-        "missing-camera",
-        "missing-render-source",
-        "product-without-vars",
-        "settings-without-products",
-        "unresolved-target",
-    ),
+    supersedes=(*LACKING, "unresolved-target"),
     by_itself=True,
     about=(Sign.ODD_PROPERTY,),
 )
