@@ -163,7 +163,8 @@ def _plain_files(files: Iterable[str]) -> set[str]:
         if number >= _CROWD:
             with suppress(OSError, ValueError), os.scandir(folder) as entries:
                 few = islice(entries, 4 * number)  # there may be a hundred times as many
-                plain.update(e.path for e in few if e.is_file(follow_symlinks=False))
+                # Not as the entry spells its path, which is another way on Windows.
+                plain.update(f"{folder}/{e.name}" for e in few if e.is_file(follow_symlinks=False))
     return plain
 
 
@@ -343,7 +344,7 @@ def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
     a single value."""
     of_text = (text for text in said if not _EXPRESSION.search(text))
     places = list(filter(None, map(_AT.search, of_text)))
-    name = file.rpartition("/")[2]
+    name = os.path.basename(file)
     named = (m for m in places if m.string[: m.start()].endswith(name))
     match = next(named, None) or next(iter(places), None)
     if match is None:
