@@ -273,6 +273,28 @@ def test_nothing_heavy_comes_with_the_command_line() -> None:
     assert heavy == []
 
 
+def test_what_takes_long_to_declare_is_declared_our_way() -> None:
+    """`records.dataclass` and `lazily` do at first use what takes most of a start otherwise."""
+    slow = [
+        f"{module}:{node.lineno}"
+        for module in FILES.keys()
+        - {"records", "testing"}  # rules are tested once they are written
+        for node in ast.walk(tree_of(module))
+        if isinstance(node, ast.ImportFrom)
+        and node.module == "dataclasses"
+        and any(alias.name == "dataclass" for alias in node.names)
+    ]
+    slow += [
+        f"{module}:{call.lineno}"
+        for module in FILES
+        for statement in tree_of(module).body
+        if not isinstance(statement, ast.FunctionDef | ast.ClassDef)
+        for call in ast.walk(statement)
+        if isinstance(call, ast.Call) and ast.unparse(call.func) == "re.compile"
+    ]
+    assert slow == []
+
+
 def rules_modules() -> list[str]:
     return [module for module in FILES if module.startswith("rules.")]
 

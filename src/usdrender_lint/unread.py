@@ -33,6 +33,8 @@ _MARK = lazily(
     re.S,
 )
 _NUMBER = lazily(rb"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_REST = lazily(rb"[\w.]*")
+"""Of a word or a number."""
 _VALUE = lazily(rb"(?!\"\"\"|''')" + rb"(?:" + _STRING + rb"|[-+]?[\w.]+)")
 _TARGET = lazily(rb"<[^<>\r\n]*>")
 _PADDING = lazily(rb"(?:[ \t]|/\*.*?\*/)*+", re.S)
@@ -253,7 +255,7 @@ def _value(data: bytes, kind: re.Match[bytes], rest: list[re.Match[bytes]]) -> W
         said = "a target stands in angle brackets, as in </World/camera>"
         return f"{said}, and not '{_text(value)}'", at
     if number := _NUMBER.match(data, at):
-        behind = re.compile(rb"[\w.]*").match(data, number.end())
+        behind = _REST.match(data, number.end())
         if behind and behind[0]:
             return f"'{data[at : behind.end()].decode(errors='replace')[:40]}' is no number", at
     elif _is_word(value):

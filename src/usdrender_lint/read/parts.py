@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from pxr import Sdf, Usd
 
 from ..model import RENDER_TYPES
+from ..records import dataclass
 from ..stage import Opened, kinds_of, render_prims
 from .specs import children_of, there
 
