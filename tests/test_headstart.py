@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, since
 from usdrender_lint import headstart, workers
 from usdrender_lint.__main__ import main
 
@@ -180,6 +180,7 @@ print({r.chatter for r in results})
         assert done.stdout.strip() == str({(told, told)})
 
 
+@since(26, 5)  # before, UsdUtils is imported for what USD says
 def test_who_is_ready_has_all_that_a_stage_would_wait_for_and_one_thread() -> None:
     """Another thread would make it impossible to copy the process."""
     code = """

@@ -150,6 +150,8 @@ def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
 def _as_text(value: Any, is_array: bool) -> str:
     if value is None:
         return ""
+    if type(value) in _EDITS:
+        return _EDIT
     if is_array:
         return f"[{len(value)}]"  # nobody reads it, and it may be long
     if isinstance(value, bool):
