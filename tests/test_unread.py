@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from pxr import Sdf
 
 from conftest import since
 from usdrender_lint.lint import lint
+from usdrender_lint.unread import is_type
 
 IN_SETTINGS = {
     'rel products = [</A>, </B>\n    ¦}\n    def "x"\n    {': (
@@ -27,6 +29,8 @@ IN_SETTINGS = {
     '¦defn RenderVar "x"\n        {\n        }': "'defn' is no keyword: did you mean 'def'?",
     '¦variantset "look" = {\n        }': "'variantset' is no keyword: did you mean 'variantSet'?",
     '¦RenderVar "x"\n        {\n        }': "'def', 'over' or 'class' is missing before 'RenderVar'",
+    "rel produ ¦cts = </A>": "expected '=', found 'cts'",
+    'token product ¦Name = "a.exr"': "expected '=', found 'Name'",
     "int ¦= 1": "a name is missing after 'int'",
     "¦int": "'int' begins no statement that USD can read",
     "¦uniform": "something is missing after 'uniform'",
@@ -140,6 +144,14 @@ def test_a_statement(tmp_path: Path, statement: str, said: str, line_break: str)
 @pytest.mark.parametrize(("text", "said"), WHOLE.items())
 def test_a_text(tmp_path: Path, text: str, said: str) -> None:
     check(tmp_path, f"#usda 1.0\n{text}", said)
+
+
+def test_all_types_of_usd_are_known() -> None:
+    found = (getattr(Sdf.ValueTypeNames, name) for name in dir(Sdf.ValueTypeNames))
+    types = {str(one.scalarType) for one in found if isinstance(one, Sdf.ValueTypeName)}
+    assert {"token", "color3f"} <= types
+    assert not [one for one in types if not is_type(one.encode())]
+    assert not any(map(is_type, (b"preprend", b"tokenx", b"float5")))
 
 
 def test_a_line_that_ends_as_on_an_old_mac(tmp_path: Path) -> None:

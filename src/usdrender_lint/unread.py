@@ -22,6 +22,11 @@ _SPECIFIERS = (b"class", b"def", b"over")
 _KEYWORDS = tuple(one.decode() for one in (*_MODIFIERS, *_SPECIFIERS, b"rel", b"variantSet"))
 _CLOSES = {b"}": b"{", b"]": b"[", b")": b"("}
 _ALIKE = 0.6
+_TYPE = lazily(
+    rb"bool|string|token|asset|opaque|group|timecode|duration|pathExpression"
+    rb"|uchar|u?int(?:64)?|int[234]|(?:half|float|double)[234]?|(?:color|point|vector|normal|texCoord)[234][hfd]|quat[hfd]"
+    rb"|matrix[234]d|frame4d"
+)
 
 _STRING = rb'"(?:[^"\\\r\n]|\\.)*"' + rb"|'(?:[^'\\\r\n]|\\.)*'"
 _WORD = rb"[A-Za-z_\x80-\xff][\w:\x80-\xff]*"
@@ -95,6 +100,11 @@ def samples(data: bytes, at: int) -> Wrong | None:
         if data[at : at + 1] != b",":
             break
     return None
+
+
+def is_type(word: bytes) -> bool:
+    """Whether attributes are declared with that word; a test holds it against those that USD has."""
+    return _TYPE.fullmatch(word) is not None
 
 
 def _left_open(data: bytes, at: int, mark: bytes) -> Wrong | None:
@@ -210,7 +220,8 @@ def _property(data: bytes, tokens: list[re.Match[bytes]]) -> Wrong | None:
             return (said, kind.start()) if kind[0][:1].isupper() else _misspelt(kind)
         if kind[0].lower() == b"variantset":
             return _misspelt(kind)
-    if _is_word(name) and rest and (_is_word(rest[0]) or _is_string(rest[0])):
+    is_known = kind[0] == b"rel" or is_type(kind[0])
+    if not is_known and _is_word(name) and rest and (_is_word(rest[0]) or _is_string(rest[0])):
         return _misspelt(kind)
     return _named(data, kind, name, rest)
 
