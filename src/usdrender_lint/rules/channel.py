@@ -125,15 +125,28 @@ def _duplicate(output: Output, name: str, same: list[Var], renderer: Renderer) -
 
 
 @rule(
-    "conflicting-aov", on=Settings, severity=Severity.WARNING, since="0.1", about=("orderedVars",)
+    "conflicting-aov",
+    on=RenderScope,
+    severity=Severity.WARNING,
+    since="0.1",
+    about=("orderedVars",),
 )
-def conflicting_aov(settings: Settings, context: Context) -> Iterator[Finding]:
+def conflicting_aov(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """Vars of different products share a channel's name and differ in what it holds."""
-    renderer = context.renderer
+    told: set[frozenset[str]] = set()
+    for settings in scope.settings:
+        if not settings.live or len(settings.outputs) < 2:
+            continue
+        for pair, finding in _conflicts(settings, context.renderer):
+            # Two renders may hold the same two vars, in whatever order.
+            if pair not in told:
+                told.add(pair)
+                yield finding
+
+
+def _conflicts(settings: Settings, renderer: Renderer) -> Iterator[tuple[frozenset[str], Finding]]:
     first: dict[str, tuple[Output, Var]] = {}
     told: set[str] = set()
-    if len(settings.outputs) < 2:
-        return
     for output in settings.outputs:
         for name, group in _by_channel(output, renderer).items() if output.product.live else ():
             elsewhere, other = first.setdefault(name, (output, group[0]))
@@ -142,7 +155,11 @@ def conflicting_aov(settings: Settings, context: Context) -> Iterator[Finding]:
                     continue
                 if differing := _differences(other, var):
                     told.add(var.path)
-                    yield _conflict(name, (elsewhere, other), (output, var), differing, renderer)
+                    pair = frozenset((var.path, other.path))
+                    yield (
+                        pair,
+                        _conflict(name, (elsewhere, other), (output, var), differing, renderer),
+                    )
 
 
 def _conflict(
