@@ -47,6 +47,39 @@ def test_the_shutter_matters_only_to_motion_blur() -> None:
     assert found(stage(blurred, world=world)) == ["inverted-shutter"]
     sharp = f"{blurred}\n        uniform bool disableMotionBlur = 1"
     assert found(stage(sharp, world=world)) == []
+    # Most renderers do not read the deprecated flag: they blur, and ask when the shutter closes.
+    still = f"{blurred}\n        uniform bool instantaneousShutter = 1"
+    assert found(stage(still, world=world)) == [
+        "deprecated-instantaneous-shutter",
+        "inverted-shutter",
+    ]
+
+
+def test_two_vars_that_meet_in_two_renders_are_told_once() -> None:
+    more = """
+    def RenderSettings "T"
+    {
+        rel camera = </World/cam>
+        rel products = [</Render/Q>, </Render/R>]
+    }
+    def RenderProduct "Q"
+    {
+        token productName = "/out/q.exr"
+        rel orderedVars = </Render/w>
+    }
+    def RenderProduct "R"
+    {
+        token productName = "/out/r.exr"
+        rel orderedVars = </Render/v>
+    }
+    def RenderVar "w"
+    {
+        uniform token dataType = "color4f"
+        string sourceName = "Ci"
+    }
+"""
+    settings = "rel camera = </World/cam>\n        rel products = [</Render/P>, </Render/Q>]"
+    assert found(stage(settings, more=more)).count("conflicting-aov") == 1
 
 
 @pytest.mark.parametrize(

@@ -122,8 +122,8 @@ def multiple_cameras(prim: SettingsBase, context: Context) -> Iterator[Finding]:
 def inverted_shutter(camera: Camera, context: Context) -> Iterator[Finding]:
     """The shutter closes before it opens."""
     opens, closes = camera.shutter_open, camera.shutter_close
-    if camera.views and not any(_blurs(v) for v in camera.views):
-        return  # nobody asks when it closes
+    if camera.views and all(v.disable_motion_blur.value for v in camera.views):
+        return  # nobody asks when it closes; most renderers ask whatever the deprecated flag says
     for time, (first, last) in camera.over_time(opens, closes):
         if last < first:
             written = closes if closes.authored else opens
