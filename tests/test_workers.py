@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -21,6 +22,7 @@ import pytest
 from conftest import ROOT
 from usdrender_lint import machine, worker, workers
 from usdrender_lint.__main__ import main
+from usdrender_lint.aside import listening
 from usdrender_lint.discover import Shown, Target
 from usdrender_lint.formats import FORMATS
 from usdrender_lint.frames import packed, unpacked
@@ -129,14 +131,16 @@ def test_what_a_file_makes_a_worker_print_is_told_of_it(
     assert capfd.readouterr().err == ""
 
 
+def printing(asked: list[Any], shown: Shown) -> list[FileResult]:
+    os.write(2, b"posix_madvise failed\n")
+    return [FileResult(layers=(file.shown,)) for file, _ in asked]
+
+
 def test_what_is_printed_in_this_process_is_told_with_v_only(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def lint_here(asked: list[Any], shown: Shown) -> list[FileResult]:
-        os.write(2, b"posix_madvise failed\n")
-        return [FileResult(layers=(file.shown,)) for file, _ in asked]
-
-    monkeypatch.setattr(workers, "lint_here", lint_here)
+    monkeypatch.setattr(workers, "lint_here", printing)
+    monkeypatch.delitem(sys.modules, "pxr", raising=False)
     for more, told in (((), False), (("-v",), True)):
         main(["-j", "0", "--isolated", *more, str(CLEAN)])
         said = capfd.readouterr()
@@ -144,6 +148,32 @@ def test_what_is_printed_in_this_process_is_told_with_v_only(
         assert ("USD: posix_madvise failed" in said.out) is told
     os.write(2, b"heard again")
     assert capfd.readouterr().err == "heard again"
+
+
+def test_a_host_hears_what_is_printed(
+    capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All its threads share one standard error, and so does whatever it runs beside a lint."""
+    monkeypatch.setattr(workers, "lint_here", printing)
+    assert "pxr" in sys.modules
+    main(["-j", "0", "--isolated", str(CLEAN)])
+    assert capfd.readouterr().err == "posix_madvise failed\n"
+
+
+def test_no_file_is_left_of_what_is_printed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """Where it cannot be kept in memory."""
+    monkeypatch.delattr(os, "memfd_create", raising=False)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    with listening() as aside:
+        os.write(2, b"aside")
+        assert aside is not None
+        assert aside.taken() == ("aside",)
+        assert aside.taken() == ()
+        assert os.name == "nt" or not [*tmp_path.iterdir()]  # not even if the process is killed
+    assert not [*tmp_path.iterdir()]
+    assert capfd.readouterr().err == ""
 
 
 # Death and delay
@@ -462,6 +492,18 @@ sys.exit(main(sys.argv[1:]))
 """
 """The program with a worker that takes its time."""
 
+LESS = """
+import os, signal
+import multiprocessing, random, subprocess, tempfile  # Python's own modules ask for some of it
+for module, names in (
+    (os, ("fork", "memfd_create", "sched_getaffinity", "mkfifo", "getuid", "WNOHANG")),
+    (signal, ("SIGKILL", "SIGIO", "SIGALRM", "SIGHUP", "alarm", "pthread_sigmask")),
+):
+    for name in names:
+        vars(module).pop(name, None)
+"""
+"""As on Windows, as far as it can be tried elsewhere."""
+
 STARTED: list[subprocess.Popen[bytes]] = []
 
 
@@ -757,3 +799,21 @@ def test_a_crate_that_hangs_or_kills_usd_costs_itself_only() -> None:
     report = json.loads(done.stdout)
     assert (done.returncode, report["files"]) == (2, 1)
     assert [e["path"] for e in report["errors"]] == ["a.usdc"]
+
+
+@pytest.mark.parametrize("jobs", ["-j1", "-j2"])
+def test_with_what_every_system_offers(jobs: str) -> None:
+    """The program and its workers, which are started anew where no process can be copied."""
+    Path("site").mkdir()
+    Path("site", "sitecustomize.py").write_text(LESS)
+    path = os.pathsep.join((str(Path("site").absolute()), ENVIRONMENT["PYTHONPATH"]))
+    code = "from usdrender_lint import workers; workers.lint_here = None; from usdrender_lint.__main__ import program; program()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(CLEAN), str(CLEAN.with_name("stereo.usda")), jobs],
+        capture_output=True,
+        env=ENVIRONMENT | {"PYTHONPATH": path},
+        timeout=120,
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert done.stdout.endswith(b" in 2 files.\n")

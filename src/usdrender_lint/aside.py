@@ -9,6 +9,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from typing import IO
 
 _STDERR = 2
 _MOST = 2000
@@ -19,15 +20,14 @@ class Aside:
     """A file that takes what is printed."""
 
     def __init__(self) -> None:
+        self._file: IO[bytes] | None = None
         if hasattr(os, "memfd_create"):
             self._number = os.memfd_create("stderr")
         else:
-            from pathlib import Path
-            from tempfile import mkstemp
+            from tempfile import TemporaryFile  # gone with the process, whatever ends it
 
-            self._number, name = mkstemp()
-            with suppress(OSError):  # it vanishes when it is closed, where a system can do that
-                Path(name).unlink()
+            self._file = TemporaryFile(buffering=0)  # noqa: SIM115 closed below
+            self._number = self._file.fileno()
         os.dup2(self._number, _STDERR)
 
     def taken(self) -> tuple[str, ...]:
@@ -43,7 +43,10 @@ class Aside:
         return (f"{text} ... and {size - _MOST} bytes more" if size > _MOST else text,)
 
     def close(self) -> None:
-        os.close(self._number)
+        if self._file is None:
+            os.close(self._number)
+        else:
+            self._file.close()
 
 
 @contextmanager

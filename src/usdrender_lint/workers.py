@@ -66,6 +66,8 @@ class Isolated:
     kept: list[Worker] | None = None
     """One that has done its part and waits for more, which spares importing USD once more. None: no
     worker outlives a run."""
+    hosted: bool = field(default_factory=lambda: "pxr" in sys.modules)
+    """Somebody else has loaded USD into this process, whose standard error is not ours to take."""
 
     @contextmanager
     def keeping(self) -> Iterator[Isolated]:
@@ -79,13 +81,23 @@ class Isolated:
     def __call__(self, asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
         start = _way()
         if start is None or self.jobs == 0 or not asked:
-            return _lint_here(asked, shown)
+            return self._lint_here(asked, shown)
         fill_closed_streams()
         results = run(Linting(shown), [Order(*one) for one in asked], self, start)
         # What no worker could be started for.
         left = [one for one, result in zip(asked, results, strict=True) if result is None]
-        here = iter(_lint_here(left, shown))
+        here = iter(self._lint_here(left, shown))
         return [next(here) if result is None else result for result in results]
+
+    def _lint_here(self, asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
+        if not asked:
+            return []
+        if self.hosted:
+            return lint_here(asked, shown)
+        with listening() as aside:
+            *results, last = lint_here(asked, shown)
+            said = aside.taken() if aside is not None else ()
+            return [*results, replace(last, chatter=(*last.chatter, *said))]
 
     def limits(self, files: int) -> Limits:
         workers = self.count(files)
@@ -349,15 +361,6 @@ def _late(file: Named, limit: float) -> FileResult:
 
 
 # How a worker comes to be
-
-
-def _lint_here(asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
-    if not asked:
-        return []
-    with listening() as aside:
-        *results, last = lint_here(asked, shown)
-        said = aside.taken() if aside is not None else ()
-        return [*results, replace(last, chatter=(*last.chatter, *said))]
 
 
 def _way() -> Start | None:
