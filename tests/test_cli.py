@@ -264,6 +264,10 @@ def test_all_missing_paths_are_told(call: Main) -> None:
         ("truncated.usdc", "truncated or damaged"),
         ("damaged_value.usdc", "it is damaged, or a layer that it uses is"),
         ("lost_property.usdc", "it is damaged: it lists the property </"),
+        (
+            "wrong_value.usdc",
+            "it is damaged: the value of </Render/final.resolution> is not of the type of its attribute",
+        ),
         ("random_bytes.usd", "binary data that is not USD"),
         ("utf8_bom.usda", "byte order mark"),
         ("malformed.usdz", "truncated or damaged"),

@@ -99,7 +99,7 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
     times = _times(prim, varying, frames)
     for field, (_, plain) in _ATTRIBUTES.items():
         if attrs[field] in varying:
-            attrs[field] = _sampled(prim, attrs[field], plain, times)
+            attrs[field] = _sampled(asked, attrs[field], plain, times)
     return Camera(
         path=path,
         type_name=str(prim.GetTypeName()),
@@ -139,12 +139,16 @@ def _times(prim: Usd.Prim, varying: list[Attr[Any]], frames: FrameRange) -> list
     return sorted(ends | {t for t in times if frames.holds(t)})
 
 
-def _sampled(
-    prim: Usd.Prim, attr: Attr[T], plain: Callable[[Any], T], times: list[float]
-) -> Attr[T]:
-    attribute = prim.GetAttribute(attr.name)
-    values = ((time, attribute.Get(time)) for time in times)
-    return replace(attr, samples=tuple((t, plain(v)) for t, v in values if v is not None))
+def _sampled(asked: Asked, attr: Attr[T], plain: Callable[[Any], T], times: list[float]) -> Attr[T]:
+    attribute, declared = asked.prim.GetAttribute(attr.name), asked.schema.attribute(attr.name)
+    assert declared is not None, "cameras have all of these"  # noqa: S101 for mypy
+    read = ((time, attribute.Get(time)) for time in times)
+    values = (
+        (time, declared.checked(value, f"{asked.path}.{attr.name}"))
+        for time, value in read
+        if value is not None
+    )
+    return replace(attr, samples=tuple((time, plain(value)) for time, value in values))
 
 
 def _instance(prim: Usd.Prim) -> str | None:

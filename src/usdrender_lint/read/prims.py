@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from pxr import Sdf, Tf, Usd
 
 from ..model import State
+from ..opening import DamagedError
 from ..records import dataclass
 from ..stage import Opened, in_scopes, is_render_type, kinds_of, render_prims
 from .specs import items
@@ -46,6 +47,13 @@ class Declared:
     def takes(self, said: Opinion) -> bool:
         """A typed read takes a value of the type that the opinion has."""
         return said.type_name == self.type_name or same_storage(said.type, self.type)
+
+    def checked(self, value: T, path: str) -> T:
+        """The value, where it is what its attribute says that it is. Sdf writes no other, but a
+        damaged crate may hold one: `DamagedError`."""
+        if self.default is not None and type(value) is not type(self.default):
+            raise DamagedError(f"the value of <{path}> is not of the type of its attribute")
+        return value
 
 
 class Schema:

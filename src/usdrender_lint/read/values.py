@@ -74,7 +74,8 @@ def read_attr(
     samples: tuple[tuple[float, T], ...] = ()
     if varying and with_samples:
         samples = _samples(_attribute(asked.prim, name), plain)
-    counts, default, unread = _counting(said, asked.schema.attribute(name))
+    declared = asked.schema.attribute(name)
+    counts, default, unread = _counting(said, declared)
     # Only what is passed over makes another opinion than the strongest count.
     if counts is not None and counts is not next(one for one in said if one.has_default):
         site = Site(site.path, "default", None, *asked.where(counts, name))
@@ -86,7 +87,7 @@ def read_attr(
     if isinstance(default, Sdf.ValueBlock):
         value, state = empty, ValueState.BLOCKED
     elif counts is not None:
-        value = plain(default)
+        value = plain(declared.checked(default, site.path) if declared else default)
         state = _AUTHORED if unread is None else ValueState.MISTYPED
     elif unread is not None:
         state = ValueState.MISTYPED
