@@ -273,6 +273,22 @@ def test_nothing_heavy_comes_with_the_command_line() -> None:
     assert heavy == []
 
 
+def test_no_rule_is_told_what_it_never_asks() -> None:
+    """Whatever is in the model is read from every stage."""
+    asked = {n.attr for m in FILES for n in ast.walk(tree_of(m)) if isinstance(n, ast.Attribute)}
+    by_name = {"Evidence"}  # by the names of what tells of a renderer, in its TOML file
+    idle = [
+        f"{kind.name}.{field.target.id}"
+        for module in ("model", "rule")
+        for kind in tree_of(module).body
+        if isinstance(kind, ast.ClassDef) and kind.name not in by_name
+        for field in kind.body
+        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name)
+        if field.target.id not in asked
+    ]
+    assert idle == []
+
+
 def test_what_takes_long_to_declare_is_declared_our_way() -> None:
     """`records.dataclass` and `lazily` do at first use what takes most of a start otherwise."""
     slow = [

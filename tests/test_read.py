@@ -605,7 +605,7 @@ class TestLost:
         (lost,) = products.lost
         assert (lost.path, lost.arc_prim) == ("/Other/P", "/Render")
         assert (lost.site.spec, lost.site.target) == ("/Show/S.products", "/Other/P")
-        assert Path(lost.arc_layer) == tmp_path / "show.usda"
+        assert Path(lost.site.layer or "") == tmp_path / "show.usda"
 
     def test_what_a_stronger_list_replaces_is_no_loss(self, scope: Read) -> None:
         found = scope(

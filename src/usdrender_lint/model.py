@@ -196,8 +196,6 @@ class Lost:
     site: Site
     arc_prim: str
     """The composed prim that brings in the layer."""
-    arc_layer: str
-    """The layer whose relationship loses its target, as a path or identifier."""
     arc_field: str
     """`references`, `payload` or `inheritPaths`: what brings it in."""
 
@@ -787,7 +785,6 @@ class FrameRange:
     start: float | None
     """`startTimeCode`; None where nobody authors it."""
     end: float | None
-    frames_per_second: float
     site: Site
 
     @property

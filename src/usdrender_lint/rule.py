@@ -90,10 +90,8 @@ class Renderer:
     """Regular expressions of what it replaces by the frame in a product's name."""
     name_variables: tuple[str, ...] = ()
     """Regular expressions of what else it expands in a product's name."""
-    namespaces: frozenset[str] = frozenset()
-    """Of properties that belong to it."""
     known_namespaces: frozenset[str] = frozenset()
-    """Those of all renderers, and the general ones."""
+    """Of properties that belong to any renderer, and the general ones."""
     aov_name_attributes: tuple[str, ...] = ()
     """Attributes of a var that name its channel, strongest first."""
     source_types: frozenset[str] = frozenset()

@@ -380,6 +380,5 @@ def _frames(stage: Usd.Stage) -> FrameRange:
     return FrameRange(
         authored("startTimeCode"),
         authored("endTimeCode"),
-        float(stage.GetFramesPerSecond()),
         Site("/", "startTimeCode"),
     )

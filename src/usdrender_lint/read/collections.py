@@ -197,7 +197,7 @@ class _Reader:
                 if self._out_of(spec, parsed.prefix).isEmpty:
                     site = _of_spec(at, spec, parsed.text)
                     into = str(node.GetIntroPath())
-                    yield Lost(parsed.text, site, into, spec.layer.identifier, arc_field(node))
+                    yield Lost(parsed.text, site, into, arc_field(node))
 
     def _out_of(self, spec: Sdf.AttributeSpec, prefix: str) -> Sdf.Path:
         path = Sdf.Path(prefix)

@@ -429,7 +429,7 @@ def _lost(owner: Asked, path: str, said: list[Opinion]) -> Iterator[Lost]:
                 arc = node_of(prim, spec)
                 into = str(arc.GetIntroPath()) if arc is not None else owner.path
                 field = arc_field(arc) if arc is not None else "references"
-                yield Lost(entry, site, into, layer, field)
+                yield Lost(entry, site, into, field)
         if operation.isExplicit:
             return  # what weaker layers list is replaced anyway
 

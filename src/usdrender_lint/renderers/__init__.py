@@ -117,7 +117,6 @@ def _read(name: str, accepting: tuple[str, ...], own: tuple[Own, ...]) -> Render
         multi_channel_extensions=listed("multi-channel-extensions"),
         frame_tokens=ordered("frame-tokens"),
         name_variables=ordered("name-variables"),
-        namespaces=listed("namespaces"),
         known_namespaces=_every("namespaces", own),
         aov_name_attributes=ordered("aov-name-attributes"),
         source_types=listed("source-types"),
