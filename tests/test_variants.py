@@ -190,6 +190,11 @@ def Camera "cam"
             ["missing-variant: </Render> selects the variant 'mid' of 'look', which does not exist: nothing of it is composed"],
         ),
         (
+            "string look",
+            "string lok",
+            ["missing-variant: </Render> selects the variant '`${LOOK}`' of 'lok', which does not exist: nothing of it is composed"],
+        ),
+        (
             "string LOOK",
             "string OTHER",
             ["composition-error: the variant selection '`${LOOK}`' on </Render> is no expression that USD can evaluate: no value for variable 'LOOK'"],

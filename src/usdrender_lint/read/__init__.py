@@ -293,7 +293,7 @@ class _Reader:
             sets = one.prim.GetVariantSets()
             for name, selection in sorted(selections.items()):
                 choices = tuple(sets.GetVariantSet(name).GetVariantNames())
-                if selection.startswith("`"):  # an expression: what it comes to
+                if choices and selection.startswith("`"):  # an expression: what it comes to
                     selection = sets.GetVariantSelection(name)
                 if selection and selection not in choices:
                     site = Site(path, f"variantSelection:{name}")
