@@ -55,6 +55,15 @@ def test_the_shutter_matters_only_to_motion_blur() -> None:
     ]
 
 
+def test_a_var_without_a_source_is_called_by_its_path() -> None:
+    intrinsic = 'uniform token sourceType = "intrinsic"'
+    _, marks = lint_files({"main.usda": stage(var=intrinsic)})
+    assert [(m.rule, m.text.rpartition(": ")[2]) for m in marks] == [
+        ("empty-source-name", "what is it to hold?"),
+        ("intrinsic-source-type", "</Render/v> gets no data"),
+    ]
+
+
 def test_two_vars_that_meet_in_two_renders_are_told_once() -> None:
     more = """
     def RenderSettings "T"

@@ -98,7 +98,7 @@ def intrinsic_source_type(scope: RenderScope, context: Context) -> Iterator[Find
     found = (
         Finding(
             var.source_type,
-            f"sourceType 'intrinsic' is in the schema, but is not implemented: '{var.source_name.value}' gets no data",
+            f"sourceType 'intrinsic' is in the schema, but is not implemented: {_what(var)} gets no data",
             label="not implemented",
             help="use 'raw', and the name that your renderer knows the quantity by",
         )
@@ -106,3 +106,7 @@ def intrinsic_source_type(scope: RenderScope, context: Context) -> Iterator[Find
         if var.source_type.value == "intrinsic" and "intrinsic" not in context.renderer.source_types
     )
     yield from handful(found, "vars")
+
+
+def _what(var: Var) -> str:
+    return f"'{var.source_name.value}'" if var.source_name.value else f"<{var.path}>"
