@@ -10,6 +10,10 @@ from pathlib import Path
 import pytest
 from pxr import Sdf
 
+from conftest import ROOT
+from usdrender_lint import crate as tables
+from usdrender_lint import lint_file
+from usdrender_lint.lint import lint
 from usdrender_lint.read.crate_types import crate_types
 
 WANTED = re.compile(rb"Render(?:Settings|Var)")
@@ -112,3 +116,18 @@ def test_what_is_no_crate_is_not_read(tmp_path: Path) -> None:
     (tmp_path / "a.usdc").write_text("#usda 1.0\n", "utf-8")
     assert crate_types(str(tmp_path / "a.usdc"), WANTED) is None
     assert crate_types(str(tmp_path / "gone.usdc"), WANTED) is None
+
+
+def test_no_large_table_outlives_its_stage(monkeypatch: pytest.MonkeyPatch) -> None:
+    def kept() -> int:
+        return tables._tokens_of_large.cache_info().currsize
+
+    def forget() -> None:
+        before.append(kept())
+        tables.forget_large()
+
+    before: list[int] = []
+    monkeypatch.setattr(tables, "_LITTLE", 0)
+    monkeypatch.setattr(lint_file, "forget_large", forget)
+    lint([str(ROOT / "fixtures" / "formats" / "scene.usdc")])
+    assert (before, kept()) == ([1], 0)

@@ -55,6 +55,11 @@ _tokens_of_little = lru_cache(maxsize=8)(_tokens_in)
 _tokens_of_large = lru_cache(maxsize=1)(_tokens_in)
 
 
+def forget_large() -> None:
+    """Where nobody will ask again: there may be 200 MB of them."""
+    _tokens_of_large.cache_clear()
+
+
 def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
     if not bootstrap.startswith(b"PXR-USDC") or tuple(bootstrap[8:11]) < (0, 4, 0):
         return None

@@ -13,6 +13,7 @@ from pxr import Sdf, Tf, Usd
 
 from .concerns import Concerns
 from .context import Outline
+from .crate import forget_large
 from .diagnostics import Diagnostics, sentences
 from .discover import Shown
 from .discover import Target as File
@@ -61,12 +62,14 @@ _ALONE = allocate_lock()
 
 
 def lint_file(file: File, config: Config, shown: Shown) -> FileResult:
-    """Open, read, run, settle and locate; nothing of USD outlives the call."""
+    """Open, read, run, settle and locate; nothing of the stage outlives the call."""
     with _ALONE, Diagnostics() as said:
         try:
             result = _File(file, config, shown).lint()
         except Exception as error:  # noqa: BLE001 a bug met in one file must not cost the others
             result = _failed(file, error)
+        finally:
+            forget_large()
     if not said.messages:
         return result
     # USD composes in several threads: who speaks first is chance.
