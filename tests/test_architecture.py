@@ -289,6 +289,20 @@ def test_no_rule_is_told_what_it_never_asks() -> None:
     assert idle == []
 
 
+def test_what_is_answered_once_can_be_heard_twice() -> None:
+    """The second rule that asks would find an iterator used up, and be silent."""
+    answers = {
+        f"{module}.{node.name}": ast.unparse(node.returns).partition("[")[0] if node.returns else ""
+        for module in FILES
+        for node in ast.walk(tree_of(module))
+        if isinstance(node, ast.FunctionDef)
+        and "once" in (ast.unparse(decorator) for decorator in node.decorator_list)
+    }
+    assert len(answers) > 2
+    lasting = {"tuple", "frozenset", "str", "bool", "int", "float"}
+    assert {name: kind for name, kind in answers.items() if kind not in lasting} == {}
+
+
 def test_what_takes_long_to_declare_is_declared_our_way() -> None:
     """`records.dataclass` and `lazily` do at first use what takes most of a start otherwise."""
     slow = [

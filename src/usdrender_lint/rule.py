@@ -159,7 +159,8 @@ class Context:
 
 
 def once(ask: Callable[[S, Context], T]) -> Callable[[S, Context], T]:
-    """A question that several rules ask about one subject, answered once."""
+    """A question that several rules ask about one subject, answered once. All get the same answer, so
+    it must be one that nobody can change or use up."""
 
     @wraps(ask)
     def answer(subject: S, context: Context) -> T:
