@@ -74,6 +74,7 @@ IN_SETTINGS = {
     'int x = 1 (\n            doc = "x"\n        ) ¦}': "expected the end of the line, found '}'",
     "rel r = [\n        ] ¦}": "expected the end of the line, found '}'",
     "rel camera = </A> ¦</B>": "expected the end of the line, found '<'",
+    'def RenderVar¦}"A" {\n        }': "expected a type or a name in quotes, found '}'",
     'def "A" {} ¦}': "expected the end of the line, found '}'",
     'def "A" {}¦; def "B" {}': "expected the end of the line, found ';'",
     "¦...": "'...' begins no statement that USD can read",
@@ -87,6 +88,12 @@ WHOLE = {
     ),
     'def Scope "Render"\n    ¦def "A"\n    {\n    }\n': (
         "expected { after the name of a prim, found 'def'"
+    ),
+    'def Scope "A"\n{\n\n¦def Scope "B"\n{\n    def "C"\n    {\n    }\n}': (
+        "expected } for the { of line 3, found 'def'"
+    ),
+    'def "A"\n{\n\n¦variantSet "look" = {\n    "a" {\n    }\n}': (
+        "expected } for the { of line 3, found 'variantSet'"
     ),
     'def Scope ¦"Render"\n': "expected { after the name of a prim, found the end of the text",
     'def Scope "Render"\n¦<<<<<<< HEAD\n{\n}\n': "a merge conflict is left here, found '<<<<<<<'",

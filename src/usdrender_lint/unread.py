@@ -62,7 +62,7 @@ def statement(data: bytes, at: int) -> Wrong:
     if first in _CLOSES:
         return f"nothing is open that '{first.decode()}' closes", at
     if first in _SPECIFIERS:
-        return _prim(data, tokens) or _unknown(data, at)
+        return _prim(data, tokens) or _unclosed(data, tokens[0]) or _unknown(data, at)
     return _property(data, tokens) or _unknown(data, at)
 
 
@@ -121,6 +121,15 @@ def _left_open(data: bytes, at: int, mark: bytes) -> Wrong | None:
     return f"{mark.decode()} for the {found.decode()} of line {line}", start
 
 
+def _unclosed(data: bytes, token: re.Match[bytes]) -> Wrong | None:
+    """Where nothing is wrong with a statement, what it stands in may never end."""
+    at = token.start()
+    opened = _left_open(data, len(data), b"}")
+    if opened is None or opened[1] > at:
+        return None
+    return f"expected {opened[0]}, found '{_text(token)}'", at
+
+
 def _line_end(data: bytes, at: int) -> int:
     end = data.find(b"\n", at)
     return end if end >= 0 else len(data)
@@ -161,7 +170,10 @@ def _prim(data: bytes, tokens: list[re.Match[bytes]]) -> Wrong | None:
             return said, words[-1].start()
         return f"a name in quotes is missing after '{_text(specifier)}'", specifier.start()
     between = rest[: rest.index(name)]
-    if len(between) > 1 and all(map(_is_word, between)):
+    if strange := next((one for one in between if not _is_word(one)), None):
+        said = f"expected a type or a name in quotes, found '{_text(strange)}'"
+        return said, strange.start()
+    if len(between) > 1:
         said = f"one type stands between '{_text(specifier)}' and the name"
         return f"{said}, and not '{_text(between[1])}'", between[1].start()
     after = _after(data, name.end())
@@ -218,6 +230,8 @@ def _property(data: bytes, tokens: list[re.Match[bytes]]) -> Wrong | None:
         if not array and (not rest or rest[0][0] in (b"{", b"(")):
             said = f"'def', 'over' or 'class' is missing before '{_text(kind)}'"
             return (said, kind.start()) if kind[0][:1].isupper() else _misspelt(kind)
+        if kind[0] == b"variantSet":
+            return _unclosed(data, kind)
         if kind[0].lower() == b"variantset":
             return _misspelt(kind)
     is_known = kind[0] == b"rel" or is_type(kind[0])
