@@ -195,6 +195,11 @@ def Camera "cam"
             ["missing-variant: </Render> selects the variant '`${LOOK}`' of 'lok', which does not exist: nothing of it is composed"],
         ),
         (
+            "string look =",
+            "string lok = \"`${NONE}`\"\n        string look =",
+            ["missing-variant: </Render> selects the variant '`${NONE}`' of 'lok', which does not exist: nothing of it is composed"],
+        ),
+        (
             "string LOOK",
             "string OTHER",
             ["composition-error: the variant selection '`${LOOK}`' on </Render> is no expression that USD can evaluate: no value for variable 'LOOK'"],
@@ -207,3 +212,15 @@ def test_a_selection_by_an_expression(tmp_path: Path, old: str, new: str, told: 
     report = lint([str(file)], Config(select(["missing-variant", "composition-error"])), tmp_path)
     assert [f"{f.rule.id}: {f.message}" for f in report.findings] == told
     assert all(f.location.span and f.location.span.line == 10 for f in report.findings)
+
+
+def test_an_expression_for_a_set_that_is_not_there_is_never_evaluated(tmp_path: Path) -> None:
+    file = tmp_path / "main.usda"
+    text = EXPRESSION.replace("string LOOK", "string OTHER")
+    file.write_text(
+        text.replace("string look =", 'string lok = "`${NONE}`"\n        string look =')
+    )
+    report = lint([str(file)], Config(select(["composition-error"])), tmp_path)
+    assert [f.message.partition(" is no")[0] for f in report.findings] == [
+        "the variant selection '`${LOOK}`' on </Render>"
+    ]

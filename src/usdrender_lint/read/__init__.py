@@ -293,7 +293,8 @@ class _Reader:
             sets = one.prim.GetVariantSets()
             for name, selection in sorted(selections.items()):
                 choices = tuple(sets.GetVariantSet(name).GetVariantNames())
-                if choices and selection.startswith("`"):  # an expression: what it comes to
+                # An expression: what it comes to. USD evaluates none for a set that is not there.
+                if selection.startswith("`") and sets.HasVariantSet(name):
                     selection = sets.GetVariantSelection(name)
                 if selection and selection not in choices:
                     site = Site(path, f"variantSelection:{name}")

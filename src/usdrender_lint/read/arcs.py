@@ -209,12 +209,15 @@ class Failures:
         yield from self._selections(prim)
 
     def _selections(self, prim: Usd.Prim) -> Iterator[Failure]:
-        """Of variants, by expressions that cannot be evaluated."""
-        path = str(prim.GetPath())
+        """Of variants, by expressions that cannot be evaluated. USD tries only those for sets that
+        are there."""
+        path, sets = str(prim.GetPath()), prim.GetVariantSets()
         for spec in prim.GetPrimStack():
             written = spec.variantSelections if spec.HasInfo("variantSelection") else {}
             for name, selection in written.items():
-                evaluated = self._evaluated(spec.layer, selection) if selection[:1] == "`" else None
+                if selection[:1] != "`" or not sets.HasVariantSet(name):
+                    continue
+                evaluated = self._evaluated(spec.layer, selection)
                 if evaluated and evaluated.problem:
                     field, file = f"variantSelection:{name}", spec.layer.identifier
                     site = Site(path, field, None, file, str(spec.path))
