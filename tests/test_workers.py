@@ -5,6 +5,7 @@ from __future__ import annotations
 import faulthandler
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -122,9 +123,10 @@ def told(results: list[FileResult | None]) -> list[str]:
 def test_what_a_file_makes_a_worker_print_is_told_of_it(
     start: workers.Start, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    results = run(Printing(), named("one", "", "x" * 5000), Isolated(1), start)
+    results = run(Printing(), named("one", "", "\n", "x" * 5000), Isolated(1), start)
     assert [r.chatter for r in results if r] == [
         ("said", "one"),
+        ("said",),
         ("said",),
         ("said", f"{'x' * 2000} ... and 3000 bytes more"),
     ]
@@ -415,6 +417,11 @@ def test_results_cross_unchanged() -> None:
     rules = [(a.rule, b.rule) for r, c in zip(results, crossed, strict=True) for a, b in zip(r.findings, c.findings, strict=True)]  # fmt: skip
     assert all(a is b for a, b in rules)
     assert unpacked(packed(config)) == config
+
+
+def test_what_python_can_pickle_crosses() -> None:
+    pattern = re.compile("a+", re.I)
+    assert unpacked(packed((pattern,))) == (pattern,)
 
 
 def test_work_is_shared_fairly() -> None:

@@ -40,7 +40,9 @@ class Aside:
         text = os.read(self._number, _MOST).decode(errors="replace").strip()
         os.ftruncate(self._number, 0)
         os.lseek(self._number, 0, os.SEEK_SET)
-        return (f"{text} ... and {size - _MOST} bytes more" if size > _MOST else text,)
+        if size > _MOST:
+            text += f" ... and {size - _MOST} bytes more"
+        return (text,) if text else ()
 
     def close(self) -> None:
         if self._file is None:

@@ -3,6 +3,7 @@ can take apart and put together again?"""
 
 from __future__ import annotations
 
+import copyreg
 import io
 import pickle
 from typing import Any, Protocol
@@ -57,7 +58,8 @@ def packed(value: object) -> bytes:
     """Rules are known on both sides: they cross by their names."""
     stream = io.BytesIO()
     pickler = pickle.Pickler(stream, pickle.HIGHEST_PROTOCOL)
-    pickler.dispatch_table = {Rule: lambda rule: (_rule, (rule.id,))}
+    # What Python knows of other types is looked for nowhere else.
+    pickler.dispatch_table = copyreg.dispatch_table | {Rule: lambda rule: (_rule, (rule.id,))}
     pickler.dump(value)
     return stream.getvalue()
 

@@ -260,11 +260,10 @@ class Targets:
             # Below an inactive prim nothing is composed: the specs tell whether something is there.
             for spec in prim.GetPrimStack():
                 beneath = path.GetPrimPath().ReplacePrefix(above, spec.path)
-                if there := spec.layer.GetPrimAtPath(beneath):
-                    isa = frozenset({str(there.typeName)})
-                    return _Found(
-                        State.INACTIVE, str(there.typeName), isa, True, str(prim.GetPath())
-                    )
+                if found := spec.layer.GetPrimAtPath(beneath):
+                    name = str(found.typeName)
+                    isa = frozenset({name})
+                    return _Found(State.INACTIVE, name, isa, True, str(prim.GetPath()))
         if asset := self._failures.hiding(str(path)):
             return _Found(State.UNKNOWN, because=asset)
         return _Found(State.MISSING)
@@ -279,8 +278,8 @@ class Targets:
                     selected = prim.GetVariantSet(name).GetVariantSelection()
                     for variant in spec.variantSets[name].variants.keys():  # noqa: SIM118 neither
                         inside = spec.path.AppendVariantSelection(name, variant)
-                        there = wanted.ReplacePrefix(above, inside)
-                        if variant != selected and spec.layer.GetPrimAtPath(there):
+                        at = wanted.ReplacePrefix(above, inside)
+                        if variant != selected and spec.layer.GetPrimAtPath(at):
                             return f"variant '{variant}' of '{name}' on <{above}>"
         return ""
 
