@@ -645,3 +645,14 @@ def test_only_what_moves_is_said_to_bring_a_transform(kind: str, said: str) -> N
     main = stage().replace('def Scope "Render"', f'def {kind} "Render"')
     _, (mark,) = lint_files({"main.usda": main})
     assert mark.text == f"</Render> {said} convention is a Scope"
+
+
+def test_what_layers_declare_of_types_of_their_own_is_read_by_its_value() -> None:
+    """The type is the strongest layer's, and the value the one of the layer that has any."""
+    declared = "custom asset[] studio:look\n        custom string studio:tags"
+    main = stage(
+        f"rel camera = </World/cam>\n        rel products = </Render/P>\n        {declared}",
+        on_settings="(references = @./weak.usda@</S>)",
+    )
+    weak = 'over "S"\n{\n    custom asset studio:look = @a.usd@\n    custom string[] studio:tags = ["a"]\n}\n'
+    assert found(main, weak=weak) == []

@@ -27,6 +27,7 @@ _get = Usd.Attribute.Get
 _EDITS = frozenset(getattr(Vt, name) for name in dir(Vt) if name.endswith("ArrayEdit"))
 """What `edit [append "x"]` is: not an array, but what becomes of that of a weaker layer."""
 _EDIT = "edit [...]"
+_ARRAYS = frozenset(getattr(Vt, name) for name in dir(Vt) if name.endswith("Array"))
 
 
 def plain_text(value: Any) -> str:
@@ -113,7 +114,7 @@ def _counting(
         if declared is None or isinstance(default, Sdf.ValueBlock) or declared.takes(one):
             return one, default, unread
         # Passed over, not refused: a weaker opinion of the right type is read (26.11).
-        unread = unread or _as_text(default, bool(one.type.isArray))
+        unread = unread or _as_text(default)
     return None, None, unread
 
 
@@ -141,19 +142,20 @@ def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
         if value is None:
             value = _get(attribute, Usd.TimeCode.EarliestTime())
         type_name = _attribute_type(attribute)
-        text = _as_text(value, bool(type_name.isArray))
+        text = _as_text(value)
         state = _FALLBACK if value is None else _AUTHORED
         site = Site(f"{asked.path}.{name}", "default")
         found.append(Attr(name, text, state, site, (), str(type_name)))
     return tuple(found)
 
 
-def _as_text(value: Any, is_array: bool) -> str:
+def _as_text(value: Any) -> str:
+    """By its own type: that of the attribute may be another layer's."""
     if value is None:
         return ""
     if type(value) in _EDITS:
         return _EDIT
-    if is_array:
+    if type(value) in _ARRAYS:
         return f"[{len(value)}]"  # nobody reads it, and it may be long
     if isinstance(value, bool):
         return str(value).lower()
