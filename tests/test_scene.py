@@ -242,12 +242,17 @@ def test_masked_and_whole_say_the_same_of_every_fixture(file: Path) -> None:
 
 
 def test_on_a_whole_stage_strays_are_found_among_its_prims(tmp_path: Path) -> None:
-    """Also one whose type only comes near that of a render prim; and none in the scope."""
+    """Also one whose type only comes near that of a render prim; and none in the scope, or that
+    another asset misspells."""
+    (tmp_path / "asset.usda").write_text(
+        '#usda 1.0\ndef Xform "A"\n{\n    def renderVar "near"\n    {\n    }\n}\n'
+    )
     text = (
         STAGE
         + 'def RenderVar "stray"\n{\n}\ndef Xform "W"\n{\n    def renderVar "near"\n    {\n    }\n}\n'
+        + 'def "B" (\n    references = @./asset.usda@</A>\n)\n{\n}\n'
     )
     for whole in (False, True):
-        found = {f.rule.id: f.prim_path for f in lint_text(tmp_path, text, scene=whole).findings}
-        assert found["outside-render-scope"] == "/stray"
-        assert found["unknown-prim-type"] == "/W/near"
+        found = [(f.rule.id, f.prim_path) for f in lint_text(tmp_path, text, scene=whole).findings]
+        assert [path for rule, path in found if rule == "outside-render-scope"] == ["/stray"]
+        assert [path for rule, path in found if rule == "unknown-prim-type"] == ["/W/near"]

@@ -44,15 +44,21 @@ def stray_paths(opened: Opened) -> list[str]:
 
 
 def _on_stage(opened: Opened) -> Iterator[str]:
-    prims: Iterable[Usd.Prim] = render_prims(opened)
+    prims = [*render_prims(opened)]
     if any(map(_TYPE.fullmatch, opened.other_types)):
-        prims = everything(opened.stage)
+        own = set(opened.stage.GetLayerStack(includeSessionLayers=False))
+        prims += (p for p in everything(opened.stage) if _nearly_typed_in(own, p))
     for prim in prims:
         path = str(prim.GetPath())
-        if _TYPE.fullmatch(prim.GetTypeName()) and not any(
-            path.startswith(f"{scope}/") for scope in opened.scopes
-        ):
+        if not any(path.startswith(f"{scope}/") for scope in opened.scopes):
             yield path
+
+
+def _nearly_typed_in(layers: set[Sdf.Layer], prim: Usd.Prim) -> bool:
+    """What another asset misspells is its own affair."""
+    return bool(_TYPE.fullmatch(prim.GetTypeName())) and any(
+        _is_wanted(spec) and spec.layer in layers for spec in prim.GetPrimStack()
+    )
 
 
 def _in_layer(layer: Sdf.Layer, scopes: tuple[str, ...]) -> Iterable[str]:
