@@ -135,6 +135,13 @@ def test_the_nameless_one(lint: Lint, tmp_path_factory: pytest.TempPathFactory) 
     assert {path for path, _ in told} == {"<stdin>"}
 
 
+def test_what_does_not_parse_is_told_as_well_without_a_name(lint: Lint) -> None:
+    text = RENDER.replace("rel camera =", "rel camera")
+    ((*place, rule, message),) = lint("-", data=text).findings
+    assert (place, rule) == (["<stdin>", 10, 20], "syntax-error")
+    assert message == "expected '=', found '<'"
+
+
 def test_nameless_from_a_folder_below(
     lint: Lint, show: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

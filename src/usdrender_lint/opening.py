@@ -344,7 +344,7 @@ def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
     a single value."""
     of_text = (text for text in said if not _EXPRESSION.search(text))
     places = list(filter(None, map(_AT.search, of_text)))
-    name = os.path.basename(file)
+    name = os.path.basename(bytes_at(file))  # as USD knows it
     named = (m for m in places if m.string[: m.start()].endswith(name))
     match = next(named, None) or next(iter(places), None)
     if match is None:
