@@ -169,6 +169,19 @@ def test_a_package_whose_end_is_lost(tmp_path: Path) -> None:
     assert refused(file)[1] == "the package is truncated or damaged"
 
 
+def test_a_package_that_asks_for_a_later_zip(tmp_path: Path) -> None:
+    """USD does not mind; Python's own reader refuses, with an error of its own kind."""
+    file = package(tmp_path, ("main.usda", b"#usda 1.0\ndef\n"))
+    data = bytearray(file.read_bytes())
+    data[data.rfind(b"PK\x01\x02") + 6] = 204
+    file.write_bytes(data)
+    with pytest.raises(NotImplementedError):
+        zipfile.ZipFile(file)
+    report = lint([str(file)], cwd=tmp_path)
+    assert report.problems == ()
+    assert [f.rule.id for f in report.findings] == ["syntax-error"]
+
+
 def test_a_package_with_the_name_of_a_layer(tmp_path: Path) -> None:
     file = package(tmp_path, ("main.usda", GOOD.encode())).rename(tmp_path / "shot.usd")
     assert refused(file)[1] == "named .usd, but holds a zip package: USD opens it by its name"

@@ -173,3 +173,9 @@ def test_a_path_with_an_empty_name(tmp_path: Path) -> None:
         '#usda 1.0\ndef "A"\n{\n    rel r = </World/¦/cam>\n}\n',
         "this is no path, found '/cam>'",
     )
+
+
+def test_a_list_that_a_form_feed_ends(tmp_path: Path) -> None:
+    text = '#usda 1.0\ndef "A"\n{\n    rel r = [\n        </World/a>\n        \f\n    ]\n}\n'
+    message, line, _ = told(tmp_path, text)
+    assert (message, line) == ("expected a comma, or ] for the [ of line 4", 6)

@@ -395,7 +395,8 @@ def _wrong_at(data: bytes, at: int, expected: str, found: str) -> tuple[str, int
     if expected == "Expected ]" and found[:1] in "\"'" and _LIST_OF_ASSETS.search(data[:at]):
         return "an asset stands between two @, as in @layer.usda@", at
     if expected in ("Expected ]", "Expected )") and (told := closing(data, at, expected[-1])):
-        return f"{told}, found '{found.split()[0][:40]}'" if found else told, at
+        words = found.split()  # none of a form feed
+        return f"{told}, found '{words[0][:40]}'" if words else told, at
     return None
 
 

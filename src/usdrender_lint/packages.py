@@ -30,8 +30,17 @@ def first_member(package: str, member: str | None) -> str | None:
             inner = bytes_of(stream, member) if member else b""
             with zipfile.ZipFile(io.BytesIO(inner) if inner else stream) as archive:
                 return next(iter(archive.namelist()), None)
-    except (OSError, zipfile.BadZipFile):
+    except _damages():
         return None
+
+
+def _damages() -> tuple[type[Exception], ...]:
+    """What `zipfile` raises of a damaged package: also that it wants a later version of the format."""
+    import zipfile
+    import zlib
+
+    read = (zipfile.BadZipFile, zlib.error, EOFError, KeyError)
+    return (*read, OSError, RuntimeError, ValueError)
 
 
 def bytes_of(package: IO[bytes], member: str) -> bytes | None:
@@ -42,6 +51,6 @@ def bytes_of(package: IO[bytes], member: str) -> bytes | None:
     try:
         with zipfile.ZipFile(package) as archive:
             found = archive.read(first)
-    except (OSError, KeyError, RuntimeError, zipfile.BadZipFile):
+    except _damages():
         return None
     return bytes_of(io.BytesIO(found), inner) if inner else found

@@ -160,7 +160,7 @@ def _extent(package: str, member: str) -> range | None:
             raw.seek(info.header_offset)
             # A header of 30 bytes, which ends with the lengths of the name and the padding after it.
             name, padding = struct.unpack("<26xHH", raw.read(30))
-    except (OSError, KeyError, zipfile.BadZipFile, struct.error):
+    except (OSError, KeyError, RuntimeError, zipfile.BadZipFile, struct.error):
         return None
     start = info.header_offset + 30 + name + padding
     return range(start, start + info.compress_size)
