@@ -13,8 +13,10 @@ from pxr import Sdf, Tf, Usd
 from conftest import ROOT
 from usdrender_lint import lint_file
 from usdrender_lint.lint import lint
+from usdrender_lint.model import Site, State, Target
 from usdrender_lint.opening import DamagedError
 from usdrender_lint.read.crate_types import crate_types
+from usdrender_lint.read.members import member
 from usdrender_lint.read.specs import there
 from usdrender_lint.results import Report
 
@@ -119,3 +121,17 @@ def test_dictionaries_deep_within_each_other_are_no_damage() -> None:
     report = lint(["a.usda"])
     assert report.problems == ()
     assert [f.rule.id for f in report.findings] == ["default-settings-misspelled"]
+
+
+def test_a_relative_member_is_looked_for_no_further() -> None:
+    """Layers hold absolute paths only, unless they are damaged."""
+
+    class Stage:
+        asked = 0
+
+        def GetPrimAtPath(self, path: Sdf.Path) -> None:  # noqa: N802 as USD calls it
+            self.asked += 1
+            assert self.asked < 10
+
+    target = Target("../World", State.MISSING, Site("/Render/P.collection:c:includes"))
+    assert member(Stage(), target, guess=True).path == "../World"

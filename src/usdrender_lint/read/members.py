@@ -141,7 +141,8 @@ def member(stage: Usd.Stage, target: Target, *, guess: bool = True) -> Member:
             invisible=_invisible(prim),
             is_group=is_group(prim),
         )
-    if target.state is not State.MISSING:
+    # Only a damaged crate holds a relative one, above which there is always another.
+    if target.state is not State.MISSING or not path.IsAbsolutePath():
         return Member(**known)
     above = path.GetParentPath()
     while not (prim := stage.GetPrimAtPath(above)):
