@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import time
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, since
-from usdrender_lint import headstart, workers
+from usdrender_lint import headstart, machine, workers
 from usdrender_lint.__main__ import main
 
 CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
@@ -143,41 +144,48 @@ def test_the_one_that_nobody_needs_is_gone(args: tuple[str, ...]) -> None:
         time.sleep(0.01)
 
 
-@linux
-def test_it_shares_the_cores_with_those_that_come_later() -> None:
-    """USD has read its environment by then."""
-    code = """
+THREADS = """
 import os, sys
 from usdrender_lint import headstart, workers
-from usdrender_lint.discover import Target
-from usdrender_lint.lint import FileResult
+from usdrender_lint.discover import Shown, Target
+from usdrender_lint.lint import Config, FileResult
+from usdrender_lint.registry import select
+from usdrender_lint.worker import Linting, Order
 
-class Telling:
-    def prepare(self):
-        pass
-    def __call__(self, file):
+class Telling(Linting):
+    def __call__(self, order):
+        assert not super().__call__(order).problems
         from pxr import Work
-        return FileResult(chatter=(str(Work.GetConcurrencyLimit()), os.environ["PXR_WORK_THREAD_LIMIT"]))
+        threads = len(os.listdir("/proc/self/task"))
+        return FileResult(chatter=(str(threads), str(Work.GetConcurrencyLimit())))
 
-workers.cores = lambda: int(sys.argv[1])
-headstart.begin([sys.executable])
-with workers.Isolated(2).keeping() as how:
-    assert how.kept
-    results = workers.run(Telling(), [Target(None, "a"), Target(None, "b")], how, workers.forked)
-print({r.chatter for r in results})
+jobs, file = int(sys.argv[1]), sys.argv[2]
+headstart.begin([file])
+orders = [Order(Target(file, file), Config(select()))] * jobs
+with workers.Isolated(jobs).keeping() as how:
+    results = workers.run(Telling(Shown(None)), orders, how, workers.forked)
+print(*sorted(" of ".join(r.chatter) for r in results), sep=", ")
 """
-    # A limit beyond the cores of the machine is none.
-    for cores, told in ((2, "1"), (3, "1")):
-        environment = {k: v for k, v in ENVIRONMENT.items() if k != "PXR_WORK_THREAD_LIMIT"}
-        done = subprocess.run(
-            [sys.executable, "-c", code, str(cores)],
-            capture_output=True,
-            text=True,
-            env=environment,
-            timeout=120,
-            check=True,
-        )
-        assert done.stdout.strip() == str({(told, told)})
+
+
+@linux
+@pytest.mark.parametrize(("jobs", "said"), [(1, None), (1, "1"), (machine.cores(), None)])
+def test_threads_that_usd_has_and_may_have(jobs: int, said: str | None) -> None:
+    """Those that it has begun it keeps, and they take time from the other worker."""
+    alone = jobs > 1 or said == "1"
+    environment = {k: v for k, v in ENVIRONMENT.items() if k != "PXR_WORK_THREAD_LIMIT"}
+    if said is not None:
+        environment |= {"PXR_WORK_THREAD_LIMIT": said, "TF_ENV_SETTING_ALERTS_ENABLED": "0"}
+    done = subprocess.run(
+        [sys.executable, "-c", THREADS, str(jobs), str(CLEAN)],
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=120,
+        check=True,
+    )
+    told = "1 of 1" if alone else rf"\d+ of {len(os.sched_getaffinity(0))}"
+    assert re.fullmatch(", ".join([told] * jobs), done.stdout.strip()), done.stdout
 
 
 @since(26, 5)  # before, UsdUtils is imported for what USD says

@@ -54,7 +54,7 @@ class Doing:
 
     prepared: str = ""
 
-    def prepare(self) -> None:
+    def prepare(self, threads: int | None) -> None:
         if self.prepared:
             self(Target(self.prepared, self.prepared))
 
@@ -93,8 +93,11 @@ DID: list[str] = []
 
 @dataclass(frozen=True)
 class Telling(Doing):
+    def prepare(self, threads: int | None) -> None:
+        DID.append(str(threads))
+
     def __call__(self, file: Target) -> FileResult:
-        return FileResult(chatter=(str(os.environ.get("PXR_WORK_THREAD_LIMIT")),))
+        return FileResult(chatter=(DID[-1],))
 
 
 @dataclass(frozen=True)
@@ -435,12 +438,9 @@ def test_work_is_shared_fairly() -> None:
 def test_workers_share_the_cores(start: workers.Start, monkeypatch: pytest.MonkeyPatch) -> None:
     """USD starts a thread for each core, in every process."""
     monkeypatch.setattr(workers, "cores", lambda: 8)
-    monkeypatch.delenv("PXR_WORK_THREAD_LIMIT", raising=False)
     for jobs, threads in ((1, "None"), (2, "4"), (3, "2")):
         results = run(Telling(), named("a", "b", "c"), Isolated(jobs), start)
         assert [r and r.chatter for r in results] == [(threads,)] * 3
-    monkeypatch.setenv("PXR_WORK_THREAD_LIMIT", "7")
-    assert run(Telling(), named("a", "b"), Isolated(2), start)[0] == FileResult(chatter=("7",))
 
 
 @pytest.mark.parametrize(

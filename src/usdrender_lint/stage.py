@@ -253,10 +253,3 @@ def targets_of(relationship: Usd.Relationship) -> list[Sdf.Path]:
     except Tf.ErrorException:
         return []
     return found
-
-
-def limit_threads(most: int) -> None:
-    """USD takes one for each core by itself."""
-    from pxr import Work  # only runs over many files ask for it
-
-    Work.SetConcurrencyLimit(most)

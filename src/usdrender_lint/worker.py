@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 import signal
 import sys
 from collections.abc import Mapping, Sequence
@@ -19,7 +18,7 @@ from .frames import Channel, framed, packed, received, unpacked
 from .handed import accept, handed_over
 from .lint import Config, FileResult, lint_here
 from .machine import most_memory
-from .ready import get_ready
+from .ready import get_ready, use_threads
 from .records import dataclass
 
 
@@ -33,8 +32,9 @@ class Named(Protocol):
 class Work(Protocol):
     """What a worker does. It crosses to another process, so it has to be known by name there."""
 
-    def prepare(self) -> None:
-        """What has to be done once, and is not the fault of a file."""
+    def prepare(self, threads: int | None) -> None:
+        """What has to be done once, and is not the fault of a file. USD may take so many threads;
+        None: as many as it likes."""
 
     def __call__(self, file: Any, /) -> FileResult: ...
 
@@ -54,8 +54,9 @@ class Linting:
     shown: Shown
     handed: Mapping[str, str] = field(default_factory=handed_over)
 
-    def prepare(self) -> None:
+    def prepare(self, threads: int | None) -> None:
         get_ready()
+        use_threads(threads)
         accept(self.handed)
 
     def __call__(self, order: Order, /) -> FileResult:
@@ -101,9 +102,7 @@ def serve_whatever(channel: Channel) -> None:
 def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:
     """Lint what is asked for, until nobody asks any more."""
     _limit_resources()
-    if limits.threads is not None:
-        _limit_threads(limits.threads)
-    work.prepare()
+    work.prepare(limits.threads)
     channel.sendall(framed(b""))
     with listening() as aside:
         _serve(channel, work, files, limits, aside)
@@ -128,18 +127,6 @@ def _serve(
             channel.sendall(framed(packed(result)))
         if hasattr(signal, "alarm"):  # waiting for more takes as long as it takes
             signal.alarm(0)
-
-
-def _limit_threads(most: int) -> None:
-    """What a person says about it stands."""
-    if "PXR_WORK_THREAD_LIMIT" in os.environ:
-        return
-    os.environ["PXR_WORK_THREAD_LIMIT"] = str(most)
-    os.environ.setdefault("TF_ENV_SETTING_ALERTS_ENABLED", "0")  # USD would print that it is set
-    if "pxr" in sys.modules:  # it has read its environment by now
-        from .stage import limit_threads
-
-        limit_threads(most)
 
 
 def _limit_resources() -> None:
