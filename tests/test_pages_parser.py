@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from usdrender_lint import pages
-from usdrender_lint.model import Layer, RenderPrim
+from usdrender_lint.model import Layer, RenderPrim, Scene
 from usdrender_lint.report import explain
 from usdrender_lint.rule import AnyRule, Rule, Severity
 
@@ -125,7 +125,7 @@ def test_a_page_that_is_cut_off_is_refused(text: str) -> None:
 
 
 def rule(
-    on: type[Layer | RenderPrim] = RenderPrim,
+    on: type[Layer | RenderPrim | Scene] = RenderPrim,
     severity: Severity = Severity.ERROR,
     group: str = "camera",
     default: bool = True,
@@ -140,6 +140,10 @@ def rule(
         (
             rule(on=Layer, severity=Severity.NOTE, group="layers", default=False),
             "*note · layers · one layer · only when selected · since 0.1*",
+        ),
+        (
+            rule(on=Scene),
+            "*error · camera · the whole stage · only with --scene or by name · since 0.1*",
         ),
         (rule(group=""), "*error · the render scope · on by default · since 0.1*"),
     ],

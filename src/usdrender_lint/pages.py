@@ -92,16 +92,21 @@ def _folder() -> Path:
 
 def facts_line(rule: AnyRule) -> str:
     """The line below a page's title."""
-    when = "on by default" if rule.default else "only when selected"
     whose = f" for {' and '.join(rule.renderers)}" if rule.renderers else ""
     facts = (
         rule.severity,
         rule.group,
-        "one layer" if rule.on in (Layer, Suppressions) else "the render scope",
-        when + whose,
+        _need(rule),
+        (rule.only_when or "on by default") + whose,
         f"since {rule.since}",
     )
     return f"*{' · '.join(filter(None, facts))}*"
+
+
+def _need(rule: AnyRule) -> str:
+    if rule.needs_scene:
+        return "the whole stage"
+    return "one layer" if rule.on in (Layer, Suppressions) else "the render scope"
 
 
 def parse(text: str) -> Page:

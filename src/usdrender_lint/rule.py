@@ -201,6 +201,13 @@ class Rule(Generic[S]):
         """The run must open the whole stage for it."""
         return self.on is Scene
 
+    @property
+    def only_when(self) -> str:
+        """What has to be asked for before it runs; empty: nothing."""
+        if self.needs_scene:
+            return "only with --scene or by name"
+        return "" if self.default else "only when selected"
+
 
 def rule(
     id: str,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import groupby
 
 from ..rule import AnyRule
 from . import NAME, page_url, to_json
@@ -14,24 +15,22 @@ VERSION = 1
 
 
 def render(rules: Iterable[AnyRule]) -> str:
-    groups: dict[str, list[AnyRule]] = {}
-    for rule in rules:
-        groups.setdefault(rule.group, []).append(rule)
-    wide = max((len(r.id) for found in groups.values() for r in found), default=0)
+    listed = sorted(rules, key=lambda rule: (rule.group, rule.id))
+    wide = max((len(rule.id) for rule in listed), default=0)
     lines: list[str] = []
-    for group, found in groups.items():
+    for group, found in groupby(listed, lambda rule: rule.group):
         lines.append(group)
         for rule in found:
             lines.append(f"  {rule.id:{wide}}  {rule.severity:7}  {rule.summary}{_when(rule)}")
         lines.append("")
-    lines.append(f"{sum(map(len, groups.values()))} rules. --explain RULE shows the page of one.")
+    lines.append(f"{len(listed)} rules. --explain RULE shows the page of one.")
     return "\n".join(lines) + "\n"
 
 
 def _when(rule: AnyRule) -> str:
-    off = [] if rule.default else ["only when selected"]
-    whose = [f"only for {' and '.join(rule.renderers)}"] if rule.renderers else []
-    return f"  ({', '.join((*off, *whose))})" if off or whose else ""
+    whose = f"only for {' and '.join(rule.renderers)}" if rule.renderers else ""
+    told = ", ".join(filter(None, (rule.only_when, whose)))
+    return f"  ({told})" if told else ""
 
 
 def listed(rules: Iterable[AnyRule], version: str) -> str:
