@@ -95,6 +95,8 @@ class TestMatching:
             ("missing-camra", "did you mean 'missing-camera'?"),
             ("camra", "did you mean 'camera'?"),
             ("Default", "did you mean 'default'?"),
+            ("all", "did you mean 'ALL'?"),
+            ("MISSING-CAMERA", "did you mean 'missing-camera'?"),
             ("no-such-rule-at-all-xyz", "--list-rules shows them all"),
             ("", "--list-rules shows them all"),
         ],

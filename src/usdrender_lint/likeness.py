@@ -5,6 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from heapq import heappush, heapreplace
 
+_MEANT = 0.6
+"""Of two words that are less alike than that, one is no misspelling of the other."""
+
 
 def likeness(one: str, other: str) -> float:
     """1 for the same but for upper and lower case, 0 for nothing in common."""
@@ -43,6 +46,13 @@ def most_alike(name: str, known: Iterable[str], most: int) -> list[tuple[float, 
         elif ratio > least:
             heapreplace(best, (ratio, _Backwards(other)))
     return [(ratio, str(other)) for ratio, other in sorted(best, reverse=True)]
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """The one that was likely meant, if any; upper and lower case are no difference."""
+    for ratio, other in most_alike(name, known, 1):
+        return other if ratio >= _MEANT else None
+    return None
 
 
 class _Backwards(str):

@@ -19,10 +19,10 @@ class UnknownRuleError(Exception):
     """A selector names no rule and no group."""
 
     def __init__(self, name: str, known: Iterable[str]) -> None:
-        import difflib
+        from .likeness import closest
 
-        close = difflib.get_close_matches(name, sorted(known), n=1, cutoff=0.6)
-        hint = f": did you mean {close[0]!r}?" if close else "; --list-rules shows them all"
+        meant = closest(name, known)
+        hint = f": did you mean {meant!r}?" if meant else "; --list-rules shows them all"
         super().__init__(f"unknown rule {name!r}{hint}")
 
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 from pathlib import Path
 
+from ..likeness import closest
 from ..records import dataclass
 from ..results import Span
 from . import ConfigError, Source, Wrong
@@ -52,5 +52,5 @@ def wrong_at(file: Path, text: str, stretch: Stretch, message: str) -> Wrong:
 
 def suggestion(word: str, known: Iterable[str]) -> str:
     """The end of a sentence about a word that is none of those known."""
-    close = get_close_matches(word, sorted(known), n=1, cutoff=0.6)
-    return f": did you mean '{close[0]}'?" if close else ""
+    meant = closest(word, known)
+    return f": did you mean '{meant}'?" if meant else ""
