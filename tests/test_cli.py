@@ -408,6 +408,7 @@ def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
     [
         ("", "Missing argument 'PATHS...'"),
         ("--quiet", "Missing argument 'PATHS...'"),
+        ("-q -v x.usda", "--quiet and --verbose exclude each other"),
         ("--selct camera x.usda", "'--select'"),
         ("--select camra x.usda", "unknown rule 'camra': did you mean 'camera'?"),
         ("--select missing-camra x.usda", "did you mean 'missing-camera'?"),
@@ -612,6 +613,15 @@ def test_list_rules_has_a_line_for_every_rule(call: Main) -> None:
     assert sorted(listed) == [(r.id, r.severity, r.summary) for r in all_rules().values()]
 
 
+def test_list_rules_goes_by_subject_and_says_what_has_to_be_asked_for(call: Main) -> None:
+    out = call("--list-rules").out
+    subjects = re.findall(r"^(\w+)$", out, re.M)
+    assert subjects == sorted({rule.group for rule in all_rules().values()})
+    asked_for = dict(re.findall(r"^  (\S+) .*  \((only (?:when|with)[^,)]*)", out, re.M))
+    assert asked_for == {r.id: r.only_when for r in all_rules().values() if r.only_when}
+    assert asked_for["lights-hidden-by-pass"] == "only with --scene or by name"
+
+
 @pytest.mark.parametrize(
     "args", ["--list-rules --output-format json", "--output-format json --list-rules"]
 )
@@ -797,6 +807,18 @@ def test_verbose_tells_the_renderer_and_what_usd_said(chosen: str, call: Main) -
     assert any(line.startswith("USD: ") for line in more)
     assert "clean.usda: judged as any: no traces of a renderer." in more
     assert set(plain.out.splitlines()) <= set(verbose.out.splitlines())
+
+
+@pytest.mark.parametrize("chosen", ["json", "sarif", "github", "gitlab", "junit"])
+def test_beside_a_report_for_machines_verbose_speaks_on_standard_error(
+    chosen: str, call: Main
+) -> None:
+    args = (str(BROKEN / "missing_sublayer.usda"), "clean.usda", "--output-format", chosen)
+    plain, verbose = call(*args), call(*args, "-v")
+    assert (verbose.code, verbose.out) == (plain.code, plain.out)
+    more = set(verbose.err.splitlines()) - set(plain.err.splitlines())
+    assert any(line.startswith("USD: ") for line in more)
+    assert "clean.usda: judged as any: no traces of a renderer." in more
 
 
 # Files

@@ -16,7 +16,7 @@ from .config import ConfigError, Wrong
 from .config.find import NOTHING, Configurations
 from .console import forget, say, tell, terminal_width, use_color
 from .discover import Shard
-from .formats import FORMATS, Style, prepare, render
+from .formats import FORMATS, WITH_DETAILS, Style, prepare, render
 from .lint import report_on
 from .output import OutputError, write_file, write_out
 from .pages import page_text
@@ -361,7 +361,8 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "-v",
     "--verbose",
     is_flag=True,
-    help="Also which renderer each stage was judged by, and what USD said.",
+    help="Also which renderer each stage was judged by, which rules and files were left out, and "
+    "what USD said.",
 )
 @click.option(
     "--show-files",
@@ -439,6 +440,8 @@ def command(
         baseline,
         not no_ignores,
     )
+    if quiet and verbose:
+        raise click.UsageError("--quiet and --verbose exclude each other")
     named = options.names_from(files_from) if files_from is not None else []
     sought = _sought([*paths, *named], stdin_filename, files_from, exclude, no_gitignore, shard)
     configurations = _configurations(config_file, isolated)
@@ -468,6 +471,10 @@ def command(
             plans.asked, plans.problems, plans.shown, plans.otherwise, how, part=str(shard or "")
         )
     _complain(report, color)
+    if verbose and output_format not in WITH_DETAILS:
+        from .report import full
+
+        say("".join(f"{line}\n" for line in full.details(report)))
     for note in report.notes if not quiet else ():
         tell(f"Note: {note}")
     written = True

@@ -13,6 +13,8 @@ from .records import dataclass
 from .results import Report
 
 FORMATS = ("full", "concise", "json", "sarif", "github", "gitlab", "junit")
+WITH_DETAILS = ("full", "concise")
+"""Those that have a place for what `--verbose` tells; beside the others it goes to standard error."""
 BY_SUFFIX = {".sarif": "sarif", ".json": "json", ".xml": "junit"}
 
 

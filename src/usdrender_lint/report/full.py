@@ -81,13 +81,18 @@ def summary(report: Report, *, verbose: bool = False) -> str:
     """How much was looked at, what came of it, and what is missing."""
     lines = [counts(report)]
     if verbose:
-        skipped = (escaped(f"Skipped {s.rule}: {s.reason}.") for s in report.skipped)
-        lines[:0] = [*_chatter(report.chatter), *_choices(report), *skipped]
+        lines[:0] = details(report)
     if judged := _judged(report):
         lines.append(judged)
     if not report.complete:
         lines.append(_incomplete(report.problems))
     return "".join(f"{line}\n" for line in lines)
+
+
+def details(report: Report) -> list[str]:
+    """What USD said, which renderer each stage was judged by, and which rules were left out."""
+    skipped = (escaped(f"Skipped {s.rule}: {s.reason}.") for s in report.skipped)
+    return [*_chatter(report.chatter), *_choices(report), *skipped]
 
 
 def problems(report: Report, color: bool) -> str:
