@@ -56,6 +56,16 @@ def test_links_lead_to_pages(rule_id: str) -> None:
     assert not [name for name in linked if name not in IDS]
 
 
+@pytest.mark.parametrize("rule_id", IDS)
+def test_sources_come_first_and_other_rules_last(rule_id: str) -> None:
+    """And none of them is a sentence."""
+    text = (RULES / f"{rule_id}.md").read_text("utf-8")
+    *sources, last = text.partition("## See also\n")[2].strip().splitlines()
+    page = r"\[[a-z0-9-]+\]\([a-z0-9-]+\.md\)"
+    assert re.fullmatch(rf"- Related: {page}(, {page})*", last)
+    assert [s for s in sources if not re.fullmatch(r"- .+[^.]", s) or re.search(page, s)] == []
+
+
 def _updated(text: str, rule_id: str) -> str:
     page = parse(text)
     text = text.replace(page.facts, facts_line(all_rules()[rule_id]), 1)
