@@ -946,7 +946,7 @@ def test_a_wrong_format_in_the_environment_is_an_error(
     monkeypatch.setenv("USDRENDER_LINT_OUTPUT_FORMAT", "xml")
     run = call("clean.usda")
     assert run.code == 2
-    assert "'xml' is not one of" in run.err
+    assert "(env var: 'USDRENDER_LINT_OUTPUT_FORMAT'): 'xml' is not one of" in run.err
     assert run.out == ""
 
 

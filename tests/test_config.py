@@ -185,6 +185,16 @@ def test_the_environment_names_one(
     assert call("x.usda").code == 1
 
 
+def test_of_a_file_that_the_environment_names_it_is_told_who_names_it(
+    call: Call, write: Write, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write("x.usda", CLEAN)
+    monkeypatch.setenv("USDRENDER_LINT_CONFIG", "gone.toml")
+    run = call("x.usda")
+    assert run.code == 2
+    assert "(env var: 'USDRENDER_LINT_CONFIG'): there is no file 'gone.toml'" in run.err
+
+
 def test_none_is_read(call: Call, write: Write) -> None:
     write("usdrender-lint.toml", "oops")
     write("x.usda", FAILED)

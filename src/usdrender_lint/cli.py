@@ -267,6 +267,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     "config_file",
     metavar="FILE",
     envvar="USDRENDER_LINT_CONFIG",
+    show_envvar=True,
     callback=options.config_file,
     shell_complete=options.any_file,
     help="The configuration of all files, instead of usdrender-lint.toml or pyproject.toml in the "
@@ -331,6 +332,7 @@ def _list_rules(ctx: click.Context, _: bool) -> str:
     default="full",
     show_default=True,
     envvar="USDRENDER_LINT_OUTPUT_FORMAT",
+    show_envvar=True,
     is_eager=True,
     help="What to write to standard output.",
 )

@@ -167,6 +167,8 @@ def config_file(ctx: click.Context, param: click.Parameter, value: str | None) -
         raise click.UsageError("--isolated and --config exclude each other", ctx)
     if not value.strip() or Path(value).is_dir():
         raise click.BadParameter(f"{value!r} names no file", ctx, param)
+    if not Path(value).exists():
+        raise click.BadParameter(f"there is no file {value!r}", ctx, param)
     return Path(absolute(value))
 
 
