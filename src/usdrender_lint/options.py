@@ -75,6 +75,7 @@ def outputs(
     ctx: click.Context, param: click.Parameter, values: tuple[str, ...]
 ) -> list[tuple[str | None, Path]]:
     found: list[tuple[str | None, Path]] = []
+    taken: set[Path] = set()
     for value in values:
         prefix, colon, rest = value.partition(":")
         # One letter is a drive of Windows.
@@ -87,6 +88,12 @@ def outputs(
             raise click.BadParameter(f"{value!r} names no file", ctx, param)
         if file.suffix.lower() in USD_SUFFIXES:
             raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
+        if not file.parent.is_dir():  # told now, and not after an hour
+            raise click.BadParameter(f"there is no folder {str(file.parent)!r}", ctx, param)
+        if file.is_file() or not file.exists():
+            if file.resolve() in taken:
+                raise click.BadParameter(f"{str(file)!r} is named twice", ctx, param)
+            taken.add(file.resolve())
         found.append((prefix if prefixed else BY_SUFFIX.get(file.suffix.lower()), file))
     return found
 
