@@ -79,6 +79,7 @@ LAYERS = (
         "machine",
         "frames",
         "copies",
+        "stem",
         "aside",
     ),
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),

@@ -71,6 +71,21 @@ def is_gone(pid: int) -> bool:
         return True
 
 
+def copies_asked_for(monkeypatch: pytest.MonkeyPatch) -> list[object]:
+    """None is made."""
+    made: list[object] = []
+    monkeypatch.setattr(headstart, "copied", lambda task, _: made.append(task))
+    monkeypatch.setattr(headstart, "can_be_copied", lambda: True)
+    return made
+
+
+def forget() -> None:
+    for _, lines in headstart._begun:
+        for line in lines:
+            line.close()
+    headstart._begun.clear()
+
+
 @pytest.mark.parametrize(
     ("args", "begins"),
     [
@@ -87,26 +102,22 @@ def is_gone(pid: int) -> bool:
 def test_it_begins_where_there_may_be_something_to_lint(
     args: list[str], begins: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    made: list[object] = []
-    monkeypatch.setattr(headstart, "copied", made.append)
-    monkeypatch.setattr(headstart, "can_be_copied", lambda: True)
+    made = copies_asked_for(monkeypatch)
     monkeypatch.delitem(sys.modules, "pxr", raising=False)
     headstart.begin(args)
     assert len(made) == begins
-    headstart._begun.clear()
+    forget()
 
 
 @linux
 def test_with_one_core_there_is_nothing_to_gain(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[object] = []
-    monkeypatch.setattr(headstart, "copied", made.append)
-    monkeypatch.setattr(headstart, "can_be_copied", lambda: True)
+    made = copies_asked_for(monkeypatch)
     monkeypatch.delitem(sys.modules, "pxr", raising=False)
     for cores in ({3}, {0, 3}):
         monkeypatch.setattr(os, "sched_getaffinity", lambda _, cores=cores: cores)
         headstart.begin([str(CLEAN)])
     assert len(made) == 1
-    headstart._begun.clear()
+    forget()
 
 
 def test_a_host_gets_no_process_that_it_did_not_ask_for(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,9 +126,14 @@ def test_a_host_gets_no_process_that_it_did_not_ask_for(monkeypatch: pytest.Monk
 
 
 @linux
-def test_the_one_that_began_does_the_work() -> None:
-    done = run(str(CLEAN), ALONE="1")
-    assert (done.returncode, done.stdout, done.stderr) == (0, b"No findings in 1 file.\n", b"")
+@pytest.mark.parametrize(
+    ("args", "said"),
+    [((), b"in 1 file"), (("-j2", str(CLEAN.with_name("forwarding.usda"))), b"in 2 files")],
+)
+def test_the_one_that_began_does_the_work(args: tuple[str, ...], said: bytes) -> None:
+    """By itself or as two, none of which gets ready anew."""
+    done = run(str(CLEAN), *args, ALONE="1")
+    assert (done.returncode, done.stdout, done.stderr) == (0, b"No findings %s.\n" % said, b"")
     assert not Path("another").exists()
     assert is_gone(int(Path("pid").read_text()))
 

@@ -350,7 +350,7 @@ def test_a_worker_that_died_while_it_waited_costs_nothing() -> None:
     with Isolated(1).keeping() as how:
         assert told(run(Doing(), named("a"), how, forked)) == ["a"]
         (kept,) = how.kept or ()
-        os.kill(kept.pid, signal.SIGKILL)
+        kept.stop()
         assert told(run(Doing(), named("b", "abort"), how, forked)) == ["b", "crashed-usd"]
 
 
@@ -508,6 +508,7 @@ for module, names in (
 ):
     for name in names:
         vars(module).pop(name, None)
+subprocess.Popen.kill = subprocess.Popen.terminate
 """
 """As on Windows, as far as it can be tried elsewhere."""
 

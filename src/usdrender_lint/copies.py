@@ -9,12 +9,16 @@ from __future__ import annotations
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from typing import TYPE_CHECKING, NoReturn
 
 if TYPE_CHECKING:
     from .frames import Channel
+
+_PATIENCE = 1.0
+"""Seconds for what was killed to be gone. What waits for a dead file server is not."""
 
 
 class Pipes:
@@ -40,15 +44,39 @@ class Pipes:
 
 
 class Lifeline(Pipes):
-    """And a pipe that says nothing: it breaks when this process is gone."""
+    """And one end of a pipe that says nothing: it breaks when the process at the other is gone."""
 
     def __init__(self, read: int, write: int, life: int) -> None:
         super().__init__(read, write)
-        self._life = life
+        self.life: int | None = life
+
+    def cut(self) -> None:
+        """Where it breaks, the process at the other end is gone at once (Linux)."""
+        if self.life is not None:
+            os.close(self.life)
+            self.life = None
 
     def close(self) -> None:
         super().close()
-        os.close(self._life)
+        self.cut()
+
+
+class Line:
+    """What a process and one that it makes hold of each other. Raises `OSError` where there are too
+    many open files."""
+
+    def __init__(self) -> None:
+        ends: list[int] = []
+        try:
+            for _ in range(3):
+                ends += os.pipe()
+        except OSError:
+            for end in ends:
+                os.close(end)
+            raise
+        tasks, results, life = ends[:2], ends[2:4], ends[4:]
+        self.ours = Lifeline(results[0], tasks[1], life[1])
+        self.theirs = Lifeline(tasks[0], results[1], life[0])
 
 
 class Copy:
@@ -71,12 +99,20 @@ class Copy:
         return os.waitstatus_to_exitcode(status) if ended else None
 
 
+def awaited(gone: Callable[[], int | None]) -> int | None:
+    """The exit code of a process that was told to end; None if it has not by then."""
+    deadline = time.monotonic() + _PATIENCE
+    while (code := gone()) is None and time.monotonic() < deadline:
+        time.sleep(0.001)
+    return code
+
+
 def can_be_copied() -> bool:
     # macOS forbids its own libraries in a copied process.
-    return hasattr(os, "fork") and sys.platform != "darwin" and _is_alone()
+    return hasattr(os, "fork") and sys.platform != "darwin" and is_alone()
 
 
-def _is_alone() -> bool:
+def is_alone() -> bool:
     """A copied process has one thread only, and every lock that another one held stays locked."""
     try:
         return len(os.listdir("/proc/self/task")) == 1
@@ -92,44 +128,45 @@ def copied(task: Callable[[Pipes], None], others: Iterable[Channel] = ()) -> Cop
 
     Raises `OSError` where there are too many processes or open files, or no memory for one more.
     """
-    ends: list[int] = []
+    line = Line()
     try:
-        for _ in range(3):
-            ends += os.pipe()
-        pid = os.fork()
+        pid = copied_to(line.theirs, task, (line.ours, *others))
     except OSError:
-        for end in ends:
-            os.close(end)
+        line.ours.close()
+        line.theirs.close()
         raise
-    tasks, results, life = ends[:2], ends[2:4], ends[4:]
-    ours = Lifeline(results[0], tasks[1], life[1])
+    line.theirs.close()
+    return Copy(line.ours, pid)
+
+
+def copied_to(theirs: Lifeline, task: Callable[[Pipes], None], others: Iterable[Channel]) -> int:
+    """The number of a copy that lives at that end of a line."""
+    pid = os.fork()
     if pid == 0:
 
         def live() -> None:
-            for end in (ours, *others):
+            for end in others:
                 end.close()
-            _settle_down(life[0])
-            task(Pipes(tasks[0], results[1]))
+            _settle_down(theirs)
+            task(theirs)
 
         do_and_exit(live)
-    for theirs in (tasks[0], results[1], life[0]):
-        os.close(theirs)
-    return Copy(ours, pid)
+    return pid
 
 
-def _settle_down(life: int) -> None:
+def _settle_down(line: Lifeline) -> None:
     """Become a process that neither speaks nor outlives its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent tells when to end
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     nothing = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(nothing, stream)
-    if sys.platform == "linux":
+    if sys.platform == "linux" and line.life is not None:
         import fcntl
 
         # The signal that the pipe is broken reaches even a process that hangs: it ends it.
-        fcntl.fcntl(life, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(life, fcntl.F_SETFL, os.O_ASYNC)
+        fcntl.fcntl(line.life, fcntl.F_SETOWN, os.getpid())
+        fcntl.fcntl(line.life, fcntl.F_SETFL, os.O_ASYNC)
 
 
 def do_and_exit(task: Callable[[], None]) -> NoReturn:

@@ -11,7 +11,7 @@ from dataclasses import field, replace
 from typing import Any, Protocol
 
 from .aside import Aside, listening
-from .copies import do_and_exit
+from .copies import Lifeline, do_and_exit
 from .discover import Shown
 from .discover import Target as File
 from .frames import Channel, framed, packed, received, unpacked
@@ -20,6 +20,7 @@ from .lint import Config, FileResult, lint_here
 from .machine import most_memory
 from .ready import get_ready, use_threads
 from .records import dataclass
+from .stem import divide
 
 
 class Named(Protocol):
@@ -90,13 +91,19 @@ def introduced(work: Work, files: Sequence[Named], limits: Limits) -> bytes:
     return framed(packed((work, tuple(files), limits)))
 
 
-def serve_whatever(channel: Channel) -> None:
-    """As `serve`, of a process that begins without knowing what it will have to do."""
+def serve_whatever(channel: Channel, lines: Sequence[Lifeline] = ()) -> None:
+    """As `serve`, of a process that begins without knowing what it will have to do; or as so many of
+    them, each at the end of a line."""
     try:
-        told = received(channel)
+        told = unpacked(received(channel))
     except (EOFError, OSError):  # nobody wants anything
         return
-    serve(channel, *unpacked(told))
+    if isinstance(told, int):
+        divide(channel, lines[:told], serve_whatever)
+        return
+    for line in lines:
+        line.close()
+    serve(channel, *told)
 
 
 def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) -> None:

@@ -9,7 +9,6 @@ is there (1 ms, and no thread that could be lost by it); elsewhere it is started
 from __future__ import annotations
 
 import math
-import os
 import select
 import signal
 import sys
@@ -21,13 +20,14 @@ from dataclasses import field, replace
 
 from . import headstart
 from .aside import listening
-from .copies import can_be_copied, copied, fill_closed_streams
+from .copies import awaited, can_be_copied, copied, fill_closed_streams
 from .discover import Shown
 from .frames import Channel, framed, frames_in, packed, unpacked
 from .lint import Asked, FileResult, lint_here
 from .machine import cores
 from .records import dataclass
 from .results import Problem
+from .stem import Process, Stem
 from .worker import Limits, Linting, Named, Order, Work, begin, introduced, serve
 
 FEW = 12
@@ -44,8 +44,6 @@ _LONGEST = 3600.0
 _CHUNK = 16
 _START_LIMIT = 60.0
 """Until a started Python must have said that it is there; it may turn out to be another program."""
-_PATIENCE = 1.0
-"""For what was killed to be gone. What waits for a dead file server is not."""
 
 
 Progress = Callable[[int, int, Named | None], None]
@@ -66,17 +64,22 @@ class Isolated:
     kept: list[Worker] | None = None
     """One that has done its part and waits for more, which spares importing USD once more. None: no
     worker outlives a run."""
+    stem: list[Stem] = field(default_factory=list)
+    """What has begun before it was known what for; at most one, and gone when it is taken."""
     hosted: bool = field(default_factory=lambda: "pxr" in sys.modules)
     """Somebody else has loaded USD into this process, whose standard error is not ours to take."""
 
     @contextmanager
     def keeping(self) -> Iterator[Isolated]:
-        kept = _begun_early()
+        begun, kept = headstart.claim(), list[Worker]()
+        stem = Stem(*begun) if begun else None
         try:
-            yield replace(self, kept=kept)
+            yield replace(self, kept=kept, stem=[stem] if stem else [])
         finally:
             for worker in kept:
                 worker.end()
+            if stem:
+                stem.end()
 
     def __call__(self, asked: Sequence[Asked], shown: Shown) -> list[FileResult]:
         start = _way()
@@ -127,7 +130,7 @@ class Worker:
     """A process that lints, as seen from here."""
 
     channel: Channel
-    pid: int
+    stop: Callable[[], None]
     gone: Callable[[], int | None]
     """Its exit code, as `subprocess` counts; None while it lives."""
     files: deque[int] = field(default_factory=deque)
@@ -139,12 +142,9 @@ class Worker:
     """Nothing that it did before can have harmed it."""
     knows: bool = True
     """The files of this run by their numbers, since it was started for it."""
-    introduced: bool = True
-    """It knows what its work is."""
     heard: bytearray = field(default_factory=bytearray)
 
     def introduce(self, work: Work, limits: Limits) -> None:
-        self.introduced = True
         with suppress(OSError):  # it has died: that is noticed where it is listened to
             self.channel.sendall(introduced(work, (), limits))
 
@@ -166,21 +166,14 @@ class Worker:
         self.heard += data
         return frames_in(self.heard)
 
-    def kill(self) -> None:
-        with suppress(OSError):  # it has gone by itself
-            os.kill(self.pid, getattr(signal, "SIGKILL", signal.SIGTERM))
-
     def end(self) -> int | None:
         """Its exit code, whether or not it would have gone by itself; None if it cannot be ended."""
-        self.kill()
+        self.stop()
         return self.wait()
 
     def wait(self) -> int | None:
         self.channel.close()
-        deadline = time.monotonic() + _PATIENCE
-        while (code := self.gone()) is None and time.monotonic() < deadline:
-            time.sleep(0.001)
-        return code
+        return awaited(self.gone)
 
 
 class _Crew:
@@ -204,14 +197,19 @@ class _Crew:
 
     def __exit__(self, *_: object) -> None:
         for worker in self._workers:
-            worker.kill()
+            worker.stop()
         for worker in self._workers:
             worker.end()
 
     def run(self) -> list[FileResult | None]:
         self._call_back()
-        self._hire()
-        self._how.meanwhile()
+        if stem := self._divide():
+            self._how.meanwhile()
+            self._take_branches(stem)
+            self._hire()
+        else:
+            self._hire()
+            self._how.meanwhile()
         while self._workers:
             self._listen()
             self._dismiss_the_late()
@@ -223,12 +221,33 @@ class _Crew:
 
     def _call_back(self) -> None:
         while self._how.kept and self._left:
-            worker = self._how.kept.pop()
-            if not worker.introduced:
-                worker.introduce(self._work, self._how.limits(len(self._files)))
-            worker.knows = False
-            self._workers.append(worker)
-            worker.give(self._next(), self._files)
+            self._employ(self._how.kept.pop())
+
+    def _divide(self) -> Stem | None:
+        """What has begun early, if it is to become several workers, for which it takes its time."""
+        if not self._how.stem or not self._left:
+            return None
+        stem = self._how.stem.pop()
+        if self._wanted > 1 and stem.can_divide:
+            stem.divide(self._wanted)
+            return stem
+        self._introduce(stem.remain())
+        return None
+
+    def _take_branches(self, stem: Stem) -> None:
+        for branch in stem.branches(_START_LIMIT):
+            self._introduce(branch)
+
+    def _introduce(self, process: Process) -> None:
+        worker = Worker(process.channel, process.kill, process.gone)
+        worker.introduce(self._work, self._how.limits(len(self._files)))
+        self._employ(worker)
+
+    def _employ(self, worker: Worker) -> None:
+        """One that was not started for this run."""
+        worker.knows = False
+        self._workers.append(worker)
+        worker.give(self._next(), self._files)
 
     def _hire(self) -> None:
         while len(self._workers) < self._wanted and (self._left or self._again):
@@ -303,7 +322,7 @@ class _Crew:
         """It has died. If it had done other things before, they may be to blame: that is tried."""
         self._workers.remove(worker)
         if (code := worker.wait()) is None:  # it has closed its end, and does not die
-            worker.kill()
+            worker.stop()
         if not worker.ready:
             self._given_up = True
             self._left.extendleft(reversed(worker.files))
@@ -379,13 +398,7 @@ def forked(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[W
     copy = copied(
         lambda channel: serve(channel, work, files, limits), [other.channel for other in others]
     )
-    return Worker(copy.channel, copy.pid, copy.gone)
-
-
-def _begun_early() -> list[Worker]:
-    """The copy that was made before it was known what for."""
-    copy = headstart.claim()
-    return [Worker(copy.channel, copy.pid, copy.gone, introduced=False)] if copy else []
+    return Worker(copy.channel, copy.kill, copy.gone)
 
 
 def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[Worker]) -> Worker:
@@ -410,7 +423,7 @@ def spawned(work: Work, files: Sequence[Named], how: Isolated, others: Sequence[
             with process.stdin as told:
                 if sys.platform == "win32":
                     told.write(theirs.share(process.pid))
-    worker = Worker(ours, process.pid, process.poll)
+    worker = Worker(ours, process.kill, process.poll)
     ours.settimeout(_START_LIMIT)  # it may turn out to be no Python that listens
     with suppress(OSError):
         ours.sendall(introduced(work, files, how.limits(len(files))))
