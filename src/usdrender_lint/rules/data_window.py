@@ -53,17 +53,17 @@ def _nothing_in(window: Window, sizes: list[Size]) -> tuple[str, Severity | None
         return f"ymin {bottom:g} is not below ymax {top:g}", None
     for width, height in sizes:
         if min(width, height) > 0 and not (
-            _centres(left, right, width) and _centres(bottom, top, height)
+            _centers(left, right, width) and _centers(bottom, top, height)
         ):
-            return f"no pixel of {width} x {height} has its centre in it", None
+            return f"no pixel of {width} x {height} has its center in it", None
     outside = left >= 1 or bottom >= 1 or right <= 0 or top <= 0
     if outside and max(map(abs, window)) <= _PIXELS:
         return "it lies beside the frame, which is (0, 0, 1, 1)", Severity.WARNING
     return None
 
 
-def _centres(low: float, high: float, pixels: int) -> int:
-    """How many pixels have their centre between two edges."""
+def _centers(low: float, high: float, pixels: int) -> int:
+    """How many pixels have their center between two edges."""
     return math.ceil(high * pixels - 0.5) - math.ceil(low * pixels - 0.5)
 
 

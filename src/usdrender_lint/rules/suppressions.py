@@ -31,7 +31,7 @@ def bare_suppression(suppressions: Suppressions, context: Context) -> Iterator[F
 
 @rule("misspelled-suppression", on=Suppressions, severity=Severity.WARNING, since="0.1")
 def misspelled_suppression(suppressions: Suppressions, context: Context) -> Iterator[Finding]:
-    """A suppression is misspelt, or names a rule that does not exist."""
+    """A suppression is misspelled, or names a rule that does not exist."""
     for one in suppressions.said:
         match one.flaw:
             case Flaw.UNKNOWN_RULE:
