@@ -33,7 +33,7 @@ OUTSIDE = {
         "read",
         "read.*",
     ),
-    "click": ("cli", "options"),
+    "click": ("endings", "cli", "options"),
     "packaging": ("config.keys", "config.read"),
     "rich": ("report.explain",),
     "markdown_it": ("report.explain",),
@@ -42,6 +42,7 @@ OUTSIDE = {
 
 LAYERS = (
     ("__main__",),
+    ("endings",),
     ("cli",),
     ("options", "answers"),
     ("plan", "baselines"),
@@ -258,7 +259,7 @@ def test_imports_go_in_no_circle() -> None:
 
 def test_nothing_heavy_comes_with_the_command_line() -> None:
     """`--help` and a misspelt option are answered without USD and rich."""
-    seen, waiting = set[str](), ["__main__", "cli", "registry", *rules_modules()]
+    seen, waiting = set[str](), ["__main__", "endings", "registry", *rules_modules()]
     heavy = []
     while waiting:
         module = waiting.pop()
@@ -339,4 +340,4 @@ def test_few_places_catch_whatever_may_happen() -> None:
         if isinstance(node, ast.ExceptHandler)
         and (node.type is None or (isinstance(node.type, ast.Name) and node.type.id == "Exception"))
     }
-    assert broad == {"run", "lint_file", "cli"}
+    assert broad == {"run", "lint_file", "endings"}

@@ -34,7 +34,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         if argv is None:
             argv = sys.argv[1:]
             headstart.begin(argv)
-        from .cli import run
+        from .endings import run
 
         return run(list(argv))
     except Terminated:

@@ -6,9 +6,13 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from .baseline import Baseline, load
+from .baseline import Baseline, BaselineError, load
+from .console import tell
+from .output import OutputError, write_file
+from .plan import KnownIn, Plan
 from .records import dataclass
 from .results import Located, Report
+from .wanted import WantedError
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,13 +51,18 @@ class Held:
         return self.known.moved(shown_from, self.start).text()
 
 
-def held(
-    file: Path, start: str, roots: Iterable[str], shown_from: str, *, may_be_missing: bool
-) -> Held:
-    """`BaselineError` for a file that cannot be used."""
-    missing = may_be_missing and not file.exists()
-    known = Baseline({}) if missing else load(file).moved(start, shown_from)
-    return Held(file, start, frozenset(roots), known)
+def known_to(plans: Plan, *, may_be_missing: bool) -> list[Held]:
+    """`WantedError` for a file that cannot be used."""
+    try:
+        return [_held(one, str(plans.shown.root), may_be_missing) for one in plans.baselines]
+    except BaselineError as error:
+        raise WantedError(str(error)) from None
+
+
+def _held(one: KnownIn, shown_from: str, may_be_missing: bool) -> Held:
+    missing = may_be_missing and not one.file.exists()
+    known = Baseline({}) if missing else load(one.file).moved(one.start, shown_from)
+    return Held(one.file, one.start, frozenset(one.roots), known)
 
 
 def hide(report: Report, baselines: Iterable[Held]) -> Report:
@@ -69,3 +78,34 @@ def hide(report: Report, baselines: Iterable[Held]) -> Report:
             ),
         )
     return report
+
+
+def tell_stale(known: Iterable[Held], report: Report) -> None:
+    for one in known:
+        if gone := one.stale(report):
+            which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
+            tell(f"Note: {one.file} holds {which} gone: see --update-baseline")
+
+
+def update(
+    known: list[Held], report: Report, shown_from: str, *, quiet: bool
+) -> tuple[list[Held], bool]:
+    """The new baselines, if they could be written. What was not looked at is neither new nor gone."""
+    if not report.complete:
+        for one in known:
+            tell(f"Error: {one.file} is not updated: the run is incomplete")
+        return known, False
+    updated = []
+    for old in known:
+        new = old.updated(report)
+        try:
+            write_file(old.file, new.text(shown_from))
+        except OutputError as error:
+            tell(f"Error: {error}")
+            return known, False
+        updated.append(new)
+        if not quiet:
+            added, gone = new.known.beyond(old.known), old.known.beyond(new.known)
+            all_told = f"{added} added, {gone} taken out, {new.known.count} in all"
+            tell(f"Note: {old.file} is written: {all_told}")
+    return updated, True

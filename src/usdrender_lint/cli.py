@@ -1,20 +1,17 @@
-"""What can a person ask for, and which exit code answers?"""
+"""What can a person ask for, and what is done about it?"""
 
 from __future__ import annotations
 
-import os
 import sys
-from collections.abc import Callable, Sequence
-from io import StringIO
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import __version__, options
-from .config import ConfigError, Wrong
 from .config.find import NOTHING, Configurations
-from .console import forget, say, tell, terminal_width, use_color
+from .console import say, tell, terminal_width, use_color
 from .discover import Shard
 from .formats import FORMATS, WITH_DETAILS, Style, prepare, render
 from .lint import report_on
@@ -22,22 +19,18 @@ from .output import OutputError, write_file, write_out
 from .pages import page_text
 from .patterns import Patterns
 from .plan import Plan, Sought, plan
-from .printable import escaped
 from .progress import bar
 from .registry import UnknownRuleError, all_rules
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
-from .wanted import Options, WantedError
+from .wanted import Options
 from .workers import TIMEOUT, Isolated
 
 if TYPE_CHECKING:
     from .baselines import Held
 
 CLEAN, FINDINGS, INCOMPLETE = 0, 1, 2
-PIPE_CLOSED = 141
-
-_COMPLETE = "_USDRENDER_LINT_COMPLETE"
 
 _SECTIONS = {
     "select_": "Rules",
@@ -59,73 +52,6 @@ Exit codes:
   141  the reader of the output closed it
   143  terminated
 """
-
-
-def run(argv: Sequence[str]) -> int:
-    """The whole program but for `sys.exit`. Whatever goes wrong ends in a sentence and a code."""
-    if sys.stdout is None:
-        return _failed("Error: standard output is closed\n")
-    try:
-        if asked := os.environ.get(_COMPLETE):
-            return _complete(asked)
-        # Not `command.main`, which ends with 1 when a pipe is closed: that means findings here.
-        with command.make_context("usdrender-lint", list(argv)) as context:
-            return int(command.invoke(context))
-    except click.exceptions.Exit as answered:
-        return answered.exit_code
-    except click.ClickException as error:
-        told = StringIO()
-        error.show(told)
-        return _failed(told.getvalue())
-    except ConfigError as error:
-        return _failed("\n".join(map(_wrong, error.wrongs)))
-    except WantedError as error:
-        return _failed(f"Error: {escaped(str(error))}\n")
-    except BrokenPipeError:
-        forget(sys.stdout)
-        return PIPE_CLOSED
-    except (OutputError, OSError) as error:
-        forget(sys.stdout)
-        return _failed(f"Error: {_reason(error)}\n")
-    except Exception as error:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
-        if isinstance(error, ImportError) and (error.name or "").partition(".")[0] == "pxr":
-            return _failed(f"Error: {_without_usd(error)}\n")
-        from traceback import format_exc
-
-        return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
-
-
-def _without_usd(error: ImportError) -> str:
-    if isinstance(error, ModuleNotFoundError):
-        return "usd-core is not installed: pip install usd-core"
-    return f"usd-core cannot be loaded: {escaped(str(error))}"
-
-
-def _complete(instruction: str) -> int:
-    """What a shell asks for when it starts, and at each press of the Tab key."""
-    from click.shell_completion import shell_complete
-
-    # What is given back is 1 for a shell that click does not know, and 1 means findings here.
-    unknown = shell_complete(command, {}, "usdrender-lint", _COMPLETE, instruction)
-    return _failed(f"Error: {_COMPLETE}={escaped(instruction)} is unknown\n") if unknown else CLEAN
-
-
-def _wrong(wrong: Wrong) -> str:
-    from .report import full
-
-    file = wrong.file
-    place = file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file
-    color = use_color("auto", sys.stderr)
-    return full.fault(str(place), wrong.span, wrong.source, wrong.message, color=color)
-
-
-def _failed(told: str) -> int:
-    say(told)
-    return INCOMPLETE
-
-
-def _reason(error: Exception) -> str:
-    return error.strerror.lower() if isinstance(error, OSError) and error.strerror else str(error)
 
 
 class Command(click.Command):
@@ -464,7 +390,11 @@ def command(
     _tell_excluded(plans, quiet=quiet, verbose=verbose)
     if update_baseline and not plans.baselines:
         raise click.UsageError("--update-baseline needs --baseline FILE, or one in a configuration")
-    known = _known(plans, may_be_missing=update_baseline) if plans.baselines else []
+    known: list[Held] = []
+    if plans.baselines:
+        from . import baselines
+
+        known = baselines.known_to(plans, may_be_missing=update_baseline)
     with (
         bar(quiet=quiet) as progress,
         Isolated(jobs, timeout, progress, lambda: prepare(output_format)).keeping() as how,
@@ -481,13 +411,12 @@ def command(
         tell(f"Note: {note}")
     written = True
     if known and not no_ignores:
-        from .baselines import hide
-
         if update_baseline:
-            known, written = _update(known, report, plans, quiet)
-        else:
-            _tell_stale(known, report, quiet)
-        report = hide(report, known)
+            shown_from = str(plans.shown.root)
+            known, written = baselines.update(known, report, shown_from, quiet=quiet)
+        elif not quiet:
+            baselines.tell_stale(known, report)
+        report = baselines.hide(report, known)
     style = Style(statistics, quiet, verbose)
     for chosen, file in output_file:
         try:
@@ -534,49 +463,6 @@ def _tell_excluded(plans: Plan, *, quiet: bool, verbose: bool) -> None:
             tell(f"Note: {path} is excluded")
     if (why := plans.why_nothing) and not quiet:
         tell(f"Note: no file was linted: {why}")
-
-
-def _known(plans: Plan, *, may_be_missing: bool) -> list[Held]:
-    from .baseline import BaselineError
-    from .baselines import held
-
-    start = str(plans.shown.root)
-    try:
-        return [
-            held(one.file, one.start, one.roots, start, may_be_missing=may_be_missing)
-            for one in plans.baselines
-        ]
-    except BaselineError as error:
-        raise click.ClickException(escaped(str(error))) from None
-
-
-def _tell_stale(known: list[Held], report: Report, quiet: bool) -> None:
-    for one in known:
-        if (gone := one.stale(report)) and not quiet:
-            which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
-            tell(f"Note: {one.file} holds {which} gone: see --update-baseline")
-
-
-def _update(known: list[Held], report: Report, plans: Plan, quiet: bool) -> tuple[list[Held], bool]:
-    """The new baselines, if they could be written. What was not looked at is neither new nor gone."""
-    if not report.complete:
-        for one in known:
-            tell(f"Error: {one.file} is not updated: the run is incomplete")
-        return known, False
-    updated = []
-    for old in known:
-        new = old.updated(report)
-        try:
-            write_file(old.file, new.text(str(plans.shown.root)))
-        except OutputError as error:
-            tell(f"Error: {error}")
-            return known, False
-        updated.append(new)
-        if not quiet:
-            added, gone = new.known.beyond(old.known), old.known.beyond(new.known)
-            all_told = f"{added} added, {gone} taken out, {new.known.count} in all"
-            tell(f"Note: {old.file} is written: {all_told}")
-    return updated, True
 
 
 def exit_code(report: Report, exit_zero: bool) -> int:
