@@ -368,8 +368,9 @@ def command(
         baseline,
         not no_ignores,
     )
-    if quiet and verbose:
-        raise click.UsageError("--quiet and --verbose exclude each other")
+    _refuse_together(quiet, "--quiet", verbose, "--verbose")
+    _refuse_together(update_baseline, "--update-baseline", no_ignores, "--no-ignores")
+    _refuse_together(update_baseline, "--update-baseline", shard, "--shard")
     named = options.names_from(files_from) if files_from is not None else []
     sought = _sought([*paths, *named], stdin_filename, files_from, exclude, no_gitignore, shard)
     configurations = _configurations(config_file, isolated)
@@ -383,18 +384,10 @@ def command(
         from . import answers
 
         return answers.show_files(sought, configurations, output_format)
-    for other, name in ((no_ignores, "--no-ignores"), (shard, "--shard")):
-        if update_baseline and other:
-            raise click.UsageError(f"--update-baseline and {name} exclude each other")
+    style = Style(statistics, quiet, verbose)
     plans = plan(sought, asked, configurations)
-    _tell_excluded(plans, quiet=quiet, verbose=verbose)
-    if update_baseline and not plans.baselines:
-        raise click.UsageError("--update-baseline needs --baseline FILE, or one in a configuration")
-    known: list[Held] = []
-    if plans.baselines:
-        from . import baselines
-
-        known = baselines.known_to(plans, may_be_missing=update_baseline)
+    _tell_excluded(plans, style)
+    known = _known(plans, update_baseline)
     with (
         bar(quiet=quiet) as progress,
         Isolated(jobs, timeout, progress, lambda: prepare(output_format)).keeping() as how,
@@ -403,29 +396,25 @@ def command(
             plans.asked, plans.problems, plans.shown, plans.otherwise, how, part=str(shard or "")
         )
     _complain(report, color)
-    if verbose and output_format not in WITH_DETAILS:
-        from .report import full
-
-        say("".join(f"{line}\n" for line in full.details(report)))
-    for note in report.notes if not quiet else ():
-        tell(f"Note: {note}")
+    _tell_beside(report, output_format, style)
     written = True
     if known and not no_ignores:
+        from . import baselines
+
         if update_baseline:
-            shown_from = str(plans.shown.root)
-            known, written = baselines.update(known, report, shown_from, quiet=quiet)
+            known, written = baselines.update(known, report, str(plans.shown.root), quiet=quiet)
         elif not quiet:
             baselines.tell_stale(known, report)
         report = baselines.hide(report, known)
-    style = Style(statistics, quiet, verbose)
     for chosen, file in output_file:
-        try:
-            write_file(file, render(report, chosen or output_format, None, style))
-        except OutputError as error:
-            written = False
-            tell(f"Error: {error}")
+        written &= _wrote(file, render(report, chosen or output_format, None, style))
     write_out(render(report, output_format, color, style))
     return exit_code(report, exit_zero) if written else INCOMPLETE
+
+
+def _refuse_together(one: object, its_name: str, other: object, others_name: str) -> None:
+    if one and other:
+        raise click.UsageError(f"{its_name} and {others_name} exclude each other")
 
 
 def _sought(
@@ -457,12 +446,49 @@ def _configurations(file: Path | None, isolated: bool) -> Configurations:
     return Configurations(configuration(file, str(Path.cwd())))
 
 
-def _tell_excluded(plans: Plan, *, quiet: bool, verbose: bool) -> None:
-    if verbose:
+def _tell_excluded(plans: Plan, style: Style) -> None:
+    if style.verbose:
         for path in plans.excluded:
             tell(f"Note: {path} is excluded")
-    if (why := plans.why_nothing) and not quiet:
+    if (why := plans.why_nothing) and not style.quiet:
         tell(f"Note: no file was linted: {why}")
+
+
+def _known(plans: Plan, update_baseline: bool) -> list[Held]:
+    if not plans.baselines:
+        if update_baseline:
+            needed = "--baseline FILE, or one in a configuration"
+            raise click.UsageError(f"--update-baseline needs {needed}")
+        return []
+    from .baselines import known_to
+
+    return known_to(plans, may_be_missing=update_baseline)
+
+
+def _complain(report: Report, color: str) -> None:
+    if report.problems:
+        from .report import full
+
+        say(full.problems(report, use_color(color, sys.stderr)))
+
+
+def _tell_beside(report: Report, output_format: str, style: Style) -> None:
+    """What the report itself does not say."""
+    if style.verbose and output_format not in WITH_DETAILS:
+        from .report import full
+
+        say("".join(f"{line}\n" for line in full.details(report)))
+    for note in report.notes if not style.quiet else ():
+        tell(f"Note: {note}")
+
+
+def _wrote(file: Path, text: str) -> bool:
+    try:
+        write_file(file, text)
+    except OutputError as error:
+        tell(f"Error: {error}")
+        return False
+    return True
 
 
 def exit_code(report: Report, exit_zero: bool) -> int:
@@ -472,10 +498,3 @@ def exit_code(report: Report, exit_zero: bool) -> int:
     if exit_zero:
         return CLEAN
     return FINDINGS if any(map(report.fails, report.findings)) else CLEAN
-
-
-def _complain(report: Report, color: str) -> None:
-    if report.problems:
-        from .report import full
-
-        say(full.problems(report, use_color(color, sys.stderr)))
