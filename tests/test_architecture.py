@@ -23,6 +23,7 @@ OUTSIDE = {
         "ready",
         "diagnostics",
         "opening",
+        "sublayers",
         "stage",
         "sites",
         "reach",
@@ -62,6 +63,9 @@ LAYERS = (
     (
         "diagnostics",
         "opening",
+        "refusal",
+        "unopened",
+        "sublayers",
         "stage",
         "packages",
         "sites",

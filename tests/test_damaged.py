@@ -14,11 +14,11 @@ from conftest import ROOT
 from usdrender_lint import lint_file
 from usdrender_lint.lint import lint
 from usdrender_lint.model import Site, State, Target
-from usdrender_lint.opening import DamagedError
 from usdrender_lint.read.crate_types import crate_types
 from usdrender_lint.read.members import member
 from usdrender_lint.read.specs import there
 from usdrender_lint.results import Report
+from usdrender_lint.unopened import DamagedError
 
 SCENE = (ROOT / "fixtures" / "formats" / "scene.usdc").read_bytes()
 OPENS = "USD opens it, and it is damaged: "

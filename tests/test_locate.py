@@ -14,12 +14,12 @@ from usdrender_lint.discover import Shown
 from usdrender_lint.lint import Config, lint
 from usdrender_lint.locate import SYNTAX, Locator, severity_of
 from usdrender_lint.model import Site
-from usdrender_lint.opening import ParseProblem
 from usdrender_lint.read.text import Texts
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.results import Location, Report, Span
 from usdrender_lint.rule import Finding, Renderer, Severity
 from usdrender_lint.run import Told
+from usdrender_lint.unopened import ParseProblem
 
 NOWHERE = "(no text)"
 SCENES = sorted((ROOT / "fixtures" / "bad").glob("*.usda"))

@@ -10,6 +10,8 @@ from typing import BinaryIO
 
 from .handed import bytes_at
 
+MAGIC = b"PXR-USDC"
+"""What every crate begins with."""
 _SECTION = struct.Struct("<16sqq")
 _MAX_TOKENS = 1 << 28
 _LITTLE = 1 << 20
@@ -61,7 +63,7 @@ def forget_large() -> None:
 
 
 def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
-    if not bootstrap.startswith(b"PXR-USDC") or tuple(bootstrap[8:11]) < (0, 4, 0):
+    if not bootstrap.startswith(MAGIC) or tuple(bootstrap[8:11]) < (0, 4, 0):
         return None
     read, seek = stream.read, stream.seek
     seek(struct.unpack_from("<q", bootstrap, 16)[0])

@@ -23,7 +23,7 @@ from .lazily import lazily
 from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
-from .opening import DamagedError, ParseProblem, Unreadable, open_layer, sublayers_of
+from .opening import open_layer
 from .packages import split_package
 from .read import read
 from .read.expressions import ill_formed_expressions
@@ -39,6 +39,8 @@ from .rule import Context, Renderer, Severity
 from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import Opened, open_stage
+from .sublayers import sublayers_of
+from .unopened import DamagedError, ParseProblem, Unreadable
 from .variants import Outcome, merge_outcomes
 
 OLDEST = (25, 11)

@@ -7,7 +7,6 @@ from pxr import Sdf, Usd
 from .discover import Shown
 from .lazily import lazily
 from .model import HasSite, Site
-from .opening import ParseProblem
 from .packages import split_package
 from .printable import escaped
 from .reach import way_to
@@ -17,6 +16,7 @@ from .results import Located, Location, Opinion, Place, Span, Step
 from .rule import AnyRule, Finding, Renderer, Severity
 from .run import Told
 from .sites import Spot, Translation, find, into_layer
+from .unopened import ParseProblem
 
 _HEAD, _TAIL = 60, 30
 _LONG = lazily(r"'([^']{120,})'")

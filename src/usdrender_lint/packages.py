@@ -12,6 +12,8 @@ from typing import IO
 
 from .lazily import lazily
 
+MAGIC = b"PK\x03\x04"
+"""What a package with a file in it begins with."""
 _IN_PACKAGE = lazily(r"(.*?\.usdz)\[(.*)\]", re.IGNORECASE | re.DOTALL)
 
 

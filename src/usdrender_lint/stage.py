@@ -9,8 +9,8 @@ from itertools import count
 from pxr import Sdf, Tf, Usd
 
 from .model import RENDER_TYPES
-from .opening import ParseProblem, Unreadable
 from .records import dataclass
+from .unopened import ParseProblem, Unreadable
 
 PROBE = "__probe__"
 """No prim has this name: masking `/World/set/__probe__` populates `/World/set` and its

@@ -11,9 +11,10 @@ from pxr import Pcp, Sdf, Usd
 from ..discover import USD_SUFFIXES
 from ..lazily import lazily
 from ..model import ArcError, Site
-from ..opening import ParseProblem, Unreadable, open_layer, open_member
+from ..opening import open_layer, open_member
 from ..records import dataclass
 from ..stage import Opened
+from ..unopened import ParseProblem, Unreadable
 from .cycles import cycle_of_arcs, cycle_of_sublayers, spelt
 
 _ARC_FIELDS = (("reference", "referenceList", "references"), ("payload", "payloadList", "payload"))

@@ -9,7 +9,7 @@ from pxr import Sdf, Usd
 
 from ..likeness import is_like
 from ..model import DefaultSettings, MetadataOpinion, Site
-from ..opening import DamagedError
+from ..unopened import DamagedError
 from .targets import Targets
 
 KEY = "renderSettingsPrimPath"

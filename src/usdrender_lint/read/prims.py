@@ -12,9 +12,9 @@ from typing import Any, TypeVar
 from pxr import Sdf, Tf, Usd
 
 from ..model import State
-from ..opening import DamagedError
 from ..records import dataclass
 from ..stage import Opened, in_scopes, is_render_type, kinds_of, render_prims
+from ..unopened import DamagedError
 from .specs import items
 
 T = TypeVar("T")

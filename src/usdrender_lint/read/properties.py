@@ -7,7 +7,7 @@ from functools import cache
 from pxr import Sdf, Usd, Vt
 
 from ..model import RENDER_TYPES, Property, Site
-from ..opening import DamagedError
+from ..unopened import DamagedError
 from .prims import Asked, Opinion
 from .specs import items
 from .values import VARYING

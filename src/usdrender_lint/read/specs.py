@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 
 from pxr import Sdf
 
-from ..opening import DamagedError
+from ..unopened import DamagedError
 
 _Spec = TypeVar("_Spec")
 _Item = TypeVar("_Item", covariant=True)
