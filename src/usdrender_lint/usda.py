@@ -5,26 +5,20 @@ For places only, never for truth: text that Sdf refuses gets an answer too.
 
 from __future__ import annotations
 
-import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from functools import cached_property
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from .lazily import lazily
 from .records import dataclass
 from .results import Span
 from .usda_lines import LINE_BREAK, Lines, Range
 from .usda_patterns import find_pattern
+from .usda_spelling import SpecPath, absolute, decoded, encoded, raw_offset, unescaped
 
 if TYPE_CHECKING:
     from .usda_scan import Block, Scan, Statement
-
-PATH = lazily(r"(?P<prim>(?:[^.{]|\{[^}]*\})*)(?:\.(?P<property>[^\[]*))?")
-STEP = lazily(r"\{(?P<set>[^={}]*)=(?P<variant>[^{}]*)\}|(?P<prim>[^/{}]+)")
-ESCAPE = lazily(rb"\\(?:x([0-9a-fA-F]{0,2})|([0-7]{1,3})|(.))", re.S)
-CONTROL = dict(zip(b"abfnrtv", b"\a\b\f\n\r\t\v", strict=True))
 
 KEYWORDS = {
     "documentation": "doc",
@@ -72,28 +66,6 @@ class Comment:
     """The prim in whose text it stands, with its variants; "/" for none."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Path:
-    """An Sdf path in the namespace of a layer."""
-
-    steps: tuple[tuple[str, ...], ...]
-    """A prim's name, or a variant set and a variant."""
-    property_name: str | None
-
-    @classmethod
-    def of(cls, text: str) -> _Path:
-        match = PATH.match(text)
-        assert match, "the pattern matches the empty text"  # noqa: S101 for mypy
-        found = STEP.finditer(match["prim"])
-        steps = ((m["prim"],) if m["prim"] else (m["set"], m["variant"]) for m in found)
-        return cls(tuple(steps), match["property"])
-
-    @property
-    def owner(self) -> str:
-        """The prim without variants: what relative targets start from."""
-        return "/" + "/".join(step[0] for step in self.steps if len(step) == 1)
-
-
 class UsdaText:
     """The text of one usda layer. Nothing is read before it is asked for."""
 
@@ -118,7 +90,7 @@ class UsdaText:
     def span(self, path: str, field: str | None = None, target: str | None = None) -> Span | None:
         """Of the entry `target`, else the field's value, the property's name, the prim's name, the
         parent's name and so upward, else the first line. None for an empty text."""
-        spans = map(self._span, self._ladder(_Path.of(path), field, target))
+        spans = map(self._span, self._ladder(SpecPath.of(path), field, target))
         return next(filter(None, spans), None)
 
     def line(self, number: int) -> str:
@@ -129,7 +101,7 @@ class UsdaText:
 
     def written_target(self, path: str, target: str) -> str | None:
         """The text between the angle brackets of the entry that means `target`."""
-        parsed = _Path.of(path)
+        parsed = SpecPath.of(path)
         blocks = self._descend(parsed)
         if parsed.property_name is None or len(blocks) <= len(parsed.steps):
             return None
@@ -155,7 +127,7 @@ class UsdaText:
                     below = self._scan.below((start, end))
                 line, line_start = self._lines.at(start)
                 yield Comment(
-                    _decoded(LINE_BREAK.split(self._data[start:end])[0]),
+                    decoded(LINE_BREAK.split(self._data[start:end])[0]),
                     line,
                     1 + len(self._text((line_start, start))),
                     None if below is None else self._lines.at(below)[0],
@@ -174,11 +146,11 @@ class UsdaText:
             name = begins[at][0] if at >= 0 else None
             child = None if name is None else self._scan.prim(block, name)
             if name is not None and child and offset < child.end:
-                path, block = f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child
+                path, block = f"{path}{'' if path.endswith('}') else '/'}{decoded(name)}", child
                 continue
             for (of, variant), child in contents.variants.items():
                 if variant and child.name[0] <= offset < child.end:
-                    path, block = f"{path}{{{_decoded(of)}={_decoded(variant)}}}", child
+                    path, block = f"{path}{{{decoded(of)}={decoded(variant)}}}", child
                     break
             else:
                 return path
@@ -200,15 +172,15 @@ class UsdaText:
             contents = self._scan.contents(block)
             for name in contents.properties:
                 for statement in self._scan.property(block, name):
-                    yield from self._expressions_of(f"{path}.{_decoded(name)}", statement)
+                    yield from self._expressions_of(f"{path}.{decoded(name)}", statement)
                     yield from self._expressions_in(path, statement.metadata)
             children = [
-                (f"{path}{'' if path.endswith('}') else '/'}{_decoded(name)}", child)
+                (f"{path}{'' if path.endswith('}') else '/'}{decoded(name)}", child)
                 for name in contents.prims
                 if (child := self._scan.prim(block, name))
             ]
             children += [
-                (f"{path}{{{_decoded(name)}={_decoded(variant)}}}", child)
+                (f"{path}{{{decoded(name)}={decoded(variant)}}}", child)
                 for (name, variant), child in contents.variants.items()
             ]
             waiting += reversed(children)
@@ -238,7 +210,7 @@ class UsdaText:
             elif self._data[start] in b"[{" and depth:
                 yield from self._strings((start + 1, end - 1), depth - 1)
 
-    def _patterns(self, value: Range, pattern: str, path: _Path) -> Iterator[Range]:
+    def _patterns(self, value: Range, pattern: str, path: SpecPath) -> Iterator[Range]:
         """One pattern of an expression."""
         for string in self._strings(value):
             if found := find_pattern(self._string(string), pattern, path.owner):
@@ -259,12 +231,12 @@ class UsdaText:
         """Of characters of a string, which may be escaped in the text."""
         raw, text = self._scan.unquoted(string), self._string(string)
         first = string[0] + (string[1] - string[0] - len(raw)) // 2
-        before, here = (len(_encoded(part)) for part in (text[:start], text[start:end]))
-        return first + _raw_offset(raw, before), first + _raw_offset(raw, before + here)
+        before, here = (len(encoded(part)) for part in (text[:start], text[start:end]))
+        return first + raw_offset(raw, before), first + raw_offset(raw, before + here)
 
     # The ladder
 
-    def _ladder(self, path: _Path, field: str | None, target: str | None) -> Iterator[Range]:
+    def _ladder(self, path: SpecPath, field: str | None, target: str | None) -> Iterator[Range]:
         """Stretches of the text from the one that is asked for to the first line."""
         blocks = self._descend(path)
         if len(blocks) > len(path.steps):
@@ -275,11 +247,11 @@ class UsdaText:
         for block in reversed(blocks):
             yield block.name
 
-    def _descend(self, path: _Path) -> list[Block]:
+    def _descend(self, path: SpecPath) -> list[Block]:
         """The layer and the blocks along a path, as far as they exist."""
         blocks = [self._scan.root]
         for step in path.steps:
-            names = tuple(map(_encoded, step))
+            names = tuple(map(encoded, step))
             if len(names) == 2:
                 block = self._scan.contents(blocks[-1]).variants.get((names[0], names[1]))
             else:
@@ -290,7 +262,7 @@ class UsdaText:
         return blocks
 
     def _in_prim(
-        self, block: Block, path: _Path, field: str, target: str | None
+        self, block: Block, path: SpecPath, field: str, target: str | None
     ) -> Iterator[Range]:
         if field in ORDERS:
             orders = self._scan.contents(block).orders
@@ -304,7 +276,7 @@ class UsdaText:
             yield from self._in_metadata(block.metadata, path, field, target)
 
     def _in_property(
-        self, block: Block, path: _Path, field: str | None, target: str | None
+        self, block: Block, path: SpecPath, field: str | None, target: str | None
     ) -> Iterator[Range]:
         statements = self._statements(block, path)
         if target and field in (None, "targetPaths", "connectionPaths"):
@@ -322,7 +294,7 @@ class UsdaText:
             yield statement.name
 
     def _in_statement(
-        self, statement: Statement, path: _Path, field: str, target: str | None
+        self, statement: Statement, path: SpecPath, field: str, target: str | None
     ) -> Iterator[Range]:
         if field in SUFFIXES:
             if statement.value and statement.suffix == SUFFIXES[field]:
@@ -336,7 +308,7 @@ class UsdaText:
             yield from self._in_metadata(statement.metadata, path, field, target)
 
     def _in_metadata(
-        self, inside: Range, path: _Path, field: str, target: str | None
+        self, inside: Range, path: SpecPath, field: str, target: str | None
     ) -> Iterator[Range]:
         key, _, rest = field.partition(":")
         keyword = KEYWORDS.get(key, key)
@@ -373,12 +345,12 @@ class UsdaText:
 
     # Values
 
-    def _statements(self, block: Block, path: _Path) -> list[Statement]:
+    def _statements(self, block: Block, path: SpecPath) -> list[Statement]:
         """The statements of a property; those that take something away last."""
-        name = _encoded(path.property_name or "")
+        name = encoded(path.property_name or "")
         return sorted(self._scan.property(block, name), key=_removes)
 
-    def _targets_of(self, block: Block, path: _Path) -> dict[str, Range]:
+    def _targets_of(self, block: Block, path: SpecPath) -> dict[str, Range]:
         """The entries of a property's lists by the absolute path that they mean."""
         key = block.start, path.property_name or ""
         if key not in self._targets:
@@ -396,26 +368,26 @@ class UsdaText:
             listed = self._data[start] == 0x5B
             yield from self._scan.items((start + 1, end - 1) if listed else (start, end))
 
-    def _meanings(self, arc: Range, path: _Path) -> tuple[str, ...]:
+    def _meanings(self, arc: Range, path: SpecPath) -> tuple[str, ...]:
         """What an arc may be called: its asset, and its asset and prim."""
         asset = self._leads_to(arc, path)
         inner = self._scan.prim_of(arc)
         return (asset, f"{asset}<{self._text(inner)}>") if inner else (asset,)
 
-    def _leads_to(self, arc: Range, path: _Path) -> str:
+    def _leads_to(self, arc: Range, path: SpecPath) -> str:
         """The asset of an arc as authored; without one the prim or property."""
         asset = self._scan.asset(arc)
         if asset is not None:
-            return _decoded(asset.replace(rb"\@@@", b"@@@"))
-        return _absolute(self._text((arc[0] + 1, arc[1] - 1)), path.owner)
+            return decoded(asset.replace(rb"\@@@", b"@@@"))
+        return absolute(self._text((arc[0] + 1, arc[1] - 1)), path.owner)
 
     # Text
 
     def _string(self, string: Range) -> str:
-        return _decoded(_unescaped(self._scan.unquoted(string)))
+        return decoded(unescaped(self._scan.unquoted(string)))
 
     def _text(self, stretch: Range) -> str:
-        return _decoded(self._data[slice(*stretch)])
+        return decoded(self._data[slice(*stretch)])
 
     def _span(self, stretch: Range) -> Span | None:
         """None for what goes over several lines, and for an empty text."""
@@ -435,51 +407,3 @@ def _value_or_name(statement: Statement) -> Iterator[Range]:
     if statement.value:
         yield statement.value
     yield statement.name
-
-
-def _absolute(written: str, owner: str) -> str:
-    """What a path in a list of `owner` means."""
-    if not written or written.startswith("/"):
-        return written
-    names = owner.strip("/").split("/")
-    while written.startswith(".."):
-        names = names[:-1]
-        written = written[2:].removeprefix("/")
-    base = "/" + "/".join(names)
-    if written in ("", "."):
-        return base
-    separator = "" if written.startswith(".") or base == "/" else "/"
-    return base + separator + written
-
-
-def _unescaped(string: bytes) -> bytes:
-    """As `TfEscapeString` reads it."""
-
-    def one(match: re.Match[bytes]) -> bytes:
-        hexadecimal, octal, other = match.groups()
-        if hexadecimal is not None:
-            return bytes((int(hexadecimal or b"0", 16),))
-        if octal is not None:
-            return bytes((int(octal, 8) & 0xFF,))
-        return bytes((CONTROL.get(other[0], other[0]),))
-
-    return ESCAPE.sub(one, string)
-
-
-def _raw_offset(raw: bytes, offset: int) -> int:
-    """Where a byte of a string stands in its text, in which some are escaped."""
-    at = plain = 0
-    for escape in ESCAPE.finditer(raw):
-        if plain + escape.start() - at >= offset:
-            break
-        plain += escape.start() - at + 1
-        at = escape.end()
-    return at + offset - plain
-
-
-def _decoded(text: bytes) -> str:
-    return text.decode("utf-8", "replace")
-
-
-def _encoded(text: str) -> bytes:
-    return text.encode("utf-8", "surrogatepass")
