@@ -37,7 +37,7 @@ def deprecated_instantaneous_shutter(settings: Settings, context: Context) -> It
             f"instantaneousShutter of <{flag.site.prim_path}> is deprecated, and OpenUSD's render spec"
             " does not read it: most renderers still blur",
             label="read by few",
-            help="add uniform bool disableMotionBlur = true, and keep this one for kick and Karma",
+            help="add uniform bool disableMotionBlur = true, and keep this one for kick",
         )
 
 
@@ -54,7 +54,7 @@ def conflicting_shutter_flags(prim: SettingsBase, context: Context) -> Iterator[
     old, new = prim.instantaneous_shutter, prim.disable_motion_blur
     if not old.state is new.state is ValueState.AUTHORED or old.value == new.value:
         return
-    if new.value:  # how Solaris writes: meant as it is, but kick and older Karma do not see it
+    if new.value:  # how Solaris writes: meant as it is, but kick does not see it, nor did Karma before Houdini 19.5
         yield Finding(
             old,
             f"<{prim.path}> has disableMotionBlur true and instantaneousShutter false: a renderer that"
@@ -67,8 +67,8 @@ def conflicting_shutter_flags(prim: SettingsBase, context: Context) -> Iterator[
     else:
         yield Finding(
             old,
-            f"<{prim.path}> has instantaneousShutter true and disableMotionBlur false: kick and Karma"
-            " render without motion blur, others with it",
+            f"<{prim.path}> has instantaneousShutter true and disableMotionBlur false: kick"
+            " renders without motion blur, others with it",
             label="says no blur",
             help="write the same in both",
             related=((new, "says blur"),),
