@@ -58,6 +58,8 @@ class Renderer:
 
     name: str
     title: str
+    is_any: bool = False
+    """No renderer in particular, but what those accept that the stage may be for."""
     product_types: frozenset[str] = frozenset()
     """Accepted beside the schema's own."""
     deep_types: frozenset[str] = frozenset()

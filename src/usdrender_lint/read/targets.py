@@ -308,6 +308,9 @@ class Targets:
         # Each is compared with every prim of the type: nobody mends more than so many at once.
         for _, path, expected in broken[:_MANY]:
             self._suggest(path, expected)
+        # Cameras are suggested that only a spec told of: what is wrong with them is read, too.
+        cameras = (found[:1] for (_, kind), found in self._candidates.items() if kind == "Camera")
+        self._widen([best.path for found in cameras for best in found])
 
     def _is_broken(self, path: Sdf.Path, expected: str) -> bool:
         found = self._look(path)

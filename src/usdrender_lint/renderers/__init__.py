@@ -98,6 +98,7 @@ def _read(name: str, accepting: tuple[str, ...], own: tuple[Own, ...]) -> Render
     return Renderer(
         name,
         table["title"],
+        is_any=name == ANY,
         product_types=listed("product-types"),
         deep_types=listed("deep-types"),
         deep_extensions=_every("deep-extensions", own)

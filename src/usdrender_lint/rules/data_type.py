@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from ..model import RenderScope, Var
+from ..model import RenderScope, ValueState, Var
 from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._handful import handful
 from ._types import Pixel, pixel
@@ -129,6 +129,8 @@ def data_type_mismatch(scope: RenderScope, context: Context) -> Iterator[Finding
 
 def _mismatch(var: Var, held: Pixel) -> Finding | None:
     name, kind = var.source_name.value, var.data_type
+    if kind.state is ValueState.MISTYPED:
+        return None  # what the line says may well fit: it is only written as another type
     said = (
         f"dataType '{kind.value}'" if kind.authored else f"the fallback '{kind.value}' of dataType"
     )

@@ -172,6 +172,7 @@ def _normal(name: str, fold: bool) -> str:
     on=Product,
     severity=Severity.WARNING,
     since="0.1",
+    supersedes=("husk-nonraster-aovs",),
 )
 def unknown_product_type(product: Product, context: Context) -> Iterator[Finding]:
     """No renderer at hand writes products of this type."""

@@ -22,6 +22,7 @@ from ._names import (
     without_expanded,
     without_tokens,
 )
+from ._used import listed
 from ._words import joined
 
 GROUP = "product"
@@ -30,8 +31,8 @@ GROUP = "product"
 def _rendered(scope: RenderScope) -> Iterator[Product]:
     """Live products that live settings list, for only these are ever written; of a layer without
     settings, which other layers complete, all."""
-    listed = {t.path for s in scope.settings if s.live for t in s.products.targets}
-    return (p for p in scope.products if p.live and (p.path in listed or not scope.settings))
+    named = listed(s.products for s in scope.settings if s.live)
+    return (p for p in scope.products if p.live and (p.path in named or not scope.settings))
 
 
 @once
@@ -65,7 +66,8 @@ def _is_static(product: Product, name: str, renderer: Renderer) -> bool:
     # A single sample is how Houdini writes one frame of many.
     if len(samples) == 1 or len({value for _, value in samples}) > 1 or is_movie(name):
         return False
-    if renderer.frame_tokens:
+    # Where it is one of several, a name may hold what another program replaces.
+    if renderer.frame_tokens and not renderer.is_any:
         return not any(
             re.search(p, name) for p in (*renderer.frame_tokens, *renderer.name_variables)
         )
@@ -103,7 +105,7 @@ def unsupported_extension(scope: RenderScope, context: Context) -> Iterator[Find
         for product, name in _files(scope, context)
         if _is_plain_image(product, context.renderer)
         and not _is_written(name, context.renderer)
-        and not has_placeholder(extension_of(name) or name)
+        and (name.endswith("/") or not has_placeholder(extension_of(name) or name))
     )
     yield from handful(found, "products")
 
@@ -127,7 +129,10 @@ def _unsupported(product: Product, name: str, renderer: Renderer) -> Finding:
     extension = extension_of(name)
     known = sorted(renderer.extensions - renderer.unsupported_extensions - {""})
     severity = None
-    if not extension:
+    if name.endswith("/"):
+        said = f"{quoted(name)} is a folder, and names no file in it"
+        help_, label = f"write the file's name, too: {name}{product.name}.exr", "a folder"
+    elif not extension:
         said = f"{quoted(name)} has no extension, which tells renderers the format: some write OpenEXR, some refuse"
         help_, label = f"add one, such as {name.rstrip('.')}.exr", "no extension"
     elif extension.lower() in known:
@@ -191,7 +196,13 @@ def name_only_time_sampled(scope: RenderScope, context: Context) -> Iterator[Fin
     yield from handful(found, "products")
 
 
-_VARIABLE = lazily(r"[$]\{\w+\}|[$][A-Za-z_]\w*|%[A-Za-z_]\w*%")
+_VARIABLE = lazily(
+    r"""
+      [$]\{\w+\} | [$][A-Za-z_]\w* | %[A-Za-z_]\w*%             # shells
+    | <(?:Scene|RenderLayer|RenderPass\w*|Camera|Extension)>     # Maya, which alone replaces them
+    """,
+    re.VERBOSE,
+)
 _DRIVE = lazily(r"[A-Za-z]:")
 
 

@@ -8,6 +8,7 @@ from itertools import groupby
 from ..model import Attr, Output, Product, Rel, RenderPrim, RenderScope, Settings, Site, ValueState
 from ..rule import Context, Finding, Severity, rule
 from ._handful import handful
+from ._used import listed
 from ._views import are_alike, overrides, views
 from ._words import joined, paths
 
@@ -59,7 +60,7 @@ def orphan_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
     # Where nobody lists a product, that is one fault, and not one of the products.
     if not any(r.named for r in rels) or _unclear(rels, scope, "products"):
         return
-    meant = _meant(rels)
+    meant = listed(rels)
     orphans = [p for p in scope.products if _is_unlisted(p, meant)]
     settings = [s.path for s in scope.settings if s.live]
     yield from handful((_orphan_product(p, settings) for p in orphans), "products")
@@ -83,7 +84,7 @@ def orphan_var(scope: RenderScope, context: Context) -> Iterator[Finding]:
         return  # what is not listed is perhaps what a product without a list should list
     if not any(r.named for r in rels) or _unclear(rels, scope, "orderedVars"):
         return
-    meant = _meant(rels)
+    meant = listed(rels)
     orphans = [v.path for v in scope.vars if _is_unlisted(v, meant)]
     for _, found in groupby(orphans, lambda path: path.rpartition("/")[0]):
         group = list(found)
@@ -106,21 +107,6 @@ def _unclear(rels: Iterable[Rel], scope: RenderScope, name: str) -> bool:
     """Some list was lost, and what it held is not to be called an orphan."""
     lost = any(r.written_as_attribute or r.lost or r.maybe_more for r in rels)
     return lost or any(p.name == name for other in scope.others for p in other.properties)
-
-
-def _meant(rels: Iterable[Rel]) -> set[str]:
-    """What is listed, was listed before a stronger layer replaced the list, or was probably meant by
-    a target that leads nowhere."""
-    found = set[str]()
-    for rel in rels:
-        found.update(c.path for c in rel.clobbered)
-        for target in rel.targets:
-            found.add(target.path)
-            if target.meant:
-                found.add(target.meant)
-            if not target.live:
-                found.update(c.path for c in target.candidates[:1])
-    return found
 
 
 @rule("per-product-view", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("products",))

@@ -139,11 +139,12 @@ def _incomplete(var: Var, renderer: Renderer) -> Finding | None:
         )
     format_ = var.extra_attr(_AOV_FORMAT)
     if format_ is None or not format_.value:
+        known = _husk_knows(var.data_type.value, renderer)
         return Finding(
             format_ or var,
             f"<{var.path}> has no {_AOV_FORMAT}: Karma leaves the AOV out",
             label="no AOV format",
-            help=f'author custom token {_AOV_FORMAT} = "{var.data_type.value}"',
+            help=f'author custom token {_AOV_FORMAT} = "{var.data_type.value if known else "color3f"}"',
         )
     if format_.authored_type != "token":
         return Finding(

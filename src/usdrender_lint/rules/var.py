@@ -8,7 +8,7 @@ from fnmatch import fnmatchcase
 from ..model import RenderScope, ValueState, Var
 from ..rule import Context, Finding, Severity, rule
 from ._handful import handful
-from ._used import used
+from ._used import listed, used
 from ._words import nearest, one_of
 
 GROUP = "var"
@@ -26,9 +26,9 @@ SOURCE_TYPES = ("raw", "primvar", "lpe", "intrinsic")
 )
 def empty_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A var that a product lists does not name its source."""
-    listed = {t.path for p in scope.products if p.live for t in p.ordered_vars.targets}
+    named = listed(p.ordered_vars for p in scope.products if p.live)
     for var in scope.vars:
-        if not var.live or var.path not in listed or var.source_name.value or var.maybe_more:
+        if not var.live or var.path not in named or var.source_name.value or var.maybe_more:
             continue
         if var.source_name.state is ValueState.MISTYPED or _named_otherwise(var, context):
             continue

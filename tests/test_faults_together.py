@@ -1,0 +1,164 @@
+"""Faults that meet: none hides another one, and none is told twice."""
+
+from __future__ import annotations
+
+import pytest
+
+from usdrender_lint.testing import lint_files
+
+STAGE = """#usda 1.0
+(
+    renderSettingsPrimPath = "/Render/S"
+    startTimeCode = 1
+    endTimeCode = 2
+)
+def Scope "Render"
+{
+    def RenderSettings "S"
+    {
+        %s
+    }
+    def RenderProduct "Beauty"
+    {
+        %s
+    }
+    def RenderVar "Color"
+    {
+        %s
+    }
+    def RenderVar "Id"
+    {
+        uniform token dataType = "int"
+        uniform string sourceName = "id"
+    }
+}
+def Xform "shot"
+{
+    def Xform "cameras"
+    {
+        def Camera "cam1"
+        {
+            %s
+        }
+    }
+}
+"""
+SETTINGS = """rel camera = </shot/cameras/cam1>
+        rel products = </Render/Beauty>"""
+PRODUCT = """rel orderedVars = </Render/Color>
+        token productName.timeSamples = { 1: "/o/a.1.exr", 2: "/o/a.2.exr" }"""
+VAR = 'uniform string sourceName = "Ci"'
+
+
+def told(
+    settings: str = SETTINGS, product: str = PRODUCT, var: str = VAR, camera: str = ""
+) -> list[str]:
+    report, marks = lint_files({"main.usda": STAGE % (settings, product, var, camera)})
+    assert report.problems == ()
+    return sorted(m.rule for m in marks if m.severity != "note")
+
+
+def test_the_stage_is_right() -> None:
+    assert told() == []
+
+
+# -- one fault behind another
+
+
+@pytest.mark.parametrize(
+    ("body", "rule"),
+    [
+        ("float2 clippingRange = (100, 1)", "invalid-clipping-range"),
+        ("float focalLength = 0", "invalid-camera-lens"),
+        ("double shutter:open = 1", "inverted-shutter"),
+    ],
+)
+def test_a_camera_that_only_a_spec_tells_of_is_judged_too(body: str, rule: str) -> None:
+    """The misspelt target leads elsewhere in the scene: the mask does not hold the camera."""
+    settings = SETTINGS.replace("/shot/cameras/cam1", "/cameras/cam1")
+    assert told(settings, camera=body) == sorted([rule, "unresolved-target"])
+
+
+def test_a_camera_of_another_name_is_not_judged() -> None:
+    settings = SETTINGS.replace("/shot/cameras/cam1", "/cameras/left")
+    assert told(settings, camera="float focalLength = 0") == ["unresolved-target"]
+
+
+@pytest.mark.parametrize(
+    ("name", "rule"),
+    [
+        ("$SHOT/a.exr", "nonportable-product-name"),
+        ("/o/a.exr", "static-product-name"),
+        ("/o/a.####.doc", "unsupported-extension"),
+    ],
+)
+def test_the_name_of_a_product_behind_a_misspelt_target(name: str, rule: str) -> None:
+    settings = SETTINGS.replace("/Render/Beauty", "/Render/Beaty")
+    product = f'rel orderedVars = </Render/Color>\n        token productName = "{name}"'
+    assert told(settings, product) == sorted([rule, "unresolved-target"])
+
+
+@pytest.mark.parametrize(
+    ("var", "rule"),
+    [
+        ("", "empty-source-name"),
+        ('uniform string sourceName = "depth"', "data-type-mismatch"),
+    ],
+)
+def test_a_var_behind_a_misspelt_target(var: str, rule: str) -> None:
+    product = PRODUCT.replace("</Render/Color>", "[</Render/Colour>, </Render/Id>]")
+    assert told(product=product, var=var) == sorted([rule, "unresolved-target"])
+
+
+# -- one fault, once
+
+
+def test_a_type_that_is_written_as_another_one() -> None:
+    var = 'string dataType = "float"\n        uniform string sourceName = "depth"'
+    assert told(var=var) == ["type-mismatch"]
+
+
+def test_a_misspelt_product_type_is_not_told_for_husk_again() -> None:
+    product = PRODUCT + '\n        token productType = "rasterr"'
+    var = VAR + (
+        '\n        custom string driver:parameters:aov:name = "C"'
+        '\n        custom token driver:parameters:aov:format = "color3f"'
+        "\n        custom int karma:x = 1"
+    )
+    var = var.replace('"Ci"', '"C.*"') + '\n        uniform token sourceType = "lpe"'
+    assert told(product=product, var=var) == ["unknown-product-type"]
+
+
+# -- no fault
+
+
+@pytest.mark.parametrize("token", ["####", "{frame:04d}", "%04d", "$F4"])
+def test_a_frame_token_on_a_stage_for_several_renderers(token: str) -> None:
+    """Karma and V-Ray know their own tokens; that does not make the others plain text."""
+    product = f'''rel orderedVars = </Render/Color>
+        token productName = "/o/a.{token}.exr"'''
+    settings = (
+        SETTINGS + "\n        int karma:a = 1\n        int arnold:b = 1\n        int ri:c = 1"
+    )
+    assert told(settings, product) == []
+
+
+def severity(settings: str, var: str = VAR) -> dict[str, str]:
+    _, marks = lint_files({"main.usda": STAGE % (settings, PRODUCT, var, "")})
+    return {m.rule: m.severity for m in marks}
+
+
+@pytest.mark.parametrize(("attribute", "expected"), [("karma:a", "note"), ("ri:a", "warning")])
+def test_karma_reads_the_deprecated_flag(attribute: str, expected: str) -> None:
+    settings = f"{SETTINGS}\n        int {attribute} = 1\n        bool instantaneousShutter = 1"
+    assert severity(settings)["deprecated-instantaneous-shutter"] == expected
+
+
+def test_the_format_that_husk_is_to_be_told_is_one_that_it_knows() -> None:
+    """What is written as the type of the pixel may be misspelt itself."""
+    var = 'uniform token dataType = "color4"\n        string driver:parameters:aov:name = "C"'
+    report, _ = lint_files(
+        {"main.usda": STAGE % (SETTINGS + "\n        int karma:a = 1", PRODUCT, var, "")}
+    )
+    (finding,) = [f for f in report.findings if f.rule.id == "karma-incomplete-var"]
+    assert finding.help == 'author custom token driver:parameters:aov:format = "color3f"'
