@@ -282,11 +282,27 @@ def test_a_class_is_shown_where_it_is_one() -> None:
     assert (mark.rule, mark.file) == ("render-scope-not-live", "weak.usda")
 
 
-def test_an_absolute_path_in_text_was_not_probably_written_relative() -> None:
-    render_pass = (
-        '    def RenderPass "A"\n    {\n        rel renderSource = </Render/A/Render/S>\n    }\n'
-    )
-    assert found(stage(more=render_pass)) == ["unresolved-target"]
+@pytest.mark.parametrize(
+    ("written", "told"),
+    [
+        ("<Render/S>", "relative-target"),
+        ("</Render/A/Render/S>", "relative-target"),
+        ("<Render/T>", "unresolved-target"),
+        ("</Render/A/Render/T>", "unresolved-target"),
+    ],
+)
+def test_a_layer_that_was_saved_again_has_the_same_fault(written: str, told: str) -> None:
+    """USD writes the whole path for the one that was relative."""
+    render_pass = f'    def RenderPass "A"\n    {{\n        rel renderSource = {written}\n    }}\n'
+    assert found(stage(more=render_pass)) == [told]
+
+
+def test_a_camera_below_its_own_settings_is_in_no_other_layer() -> None:
+    """<World/cam> on </Render/S>, where the scene comes from elsewhere."""
+    main = stage(settings="rel camera = </Render/S/World/cam>", world="")
+    _, marks = lint_files({"main.usda": main})
+    told = [(m.rule, m.severity) for m in marks]
+    assert ("unresolved-target", "error") in told
 
 
 def test_a_failed_payload_is_not_called_a_reference() -> None:

@@ -156,11 +156,8 @@ class UsdaText:
                 return path
 
     def expressions(self) -> Iterator[Expression]:
-        """Every value of every attribute declared `pathExpression`, block by block."""
-        return (one for one in self.all_expressions() if "." in one.path)
-
-    def all_expressions(self) -> Iterator[Expression]:
-        """And those in dictionaries of metadata, of which the prim is told."""
+        """Every value of every attribute declared `pathExpression`, block by block, and those in
+        dictionaries of metadata, of which the prim is told."""
         yield from self._expressions_in("/", self._scan.root.metadata)
         waiting = [("", self._scan.root)]
         while waiting:
@@ -219,7 +216,7 @@ class UsdaText:
     def in_expression(self, path: str, text: str, start: int) -> Span | None:
         """What an expression says from one of its characters on, as far as the line goes; the mark
         that ends it for the character behind its last."""
-        for expression in self.all_expressions():
+        for expression in self.expressions():
             if (expression.path, expression.text) == (path, text):
                 first, last = self._within(expression.string, start, len(text))
                 line_end = LINE_BREAK.search(self._data, first, last)

@@ -227,7 +227,7 @@ class _Reader:
             file_name=read_attr(asked, "fileName", plain_asset, ""),
             render_source=render_source,
             input_passes=input_passes,
-            collections=read_collections(asked, self._targets, self._texts, needed),
+            collections=read_collections(asked, self._targets, needed),
             file_found=file_found(prim),
             source_in_file=source_in_file(prim, render_source),
         )

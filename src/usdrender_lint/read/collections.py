@@ -27,7 +27,6 @@ from .patterns import STRETCH, Node, Parsed, tree
 from .predicates import means_groups, read_predicates
 from .prims import Asked
 from .targets import Targets, arc_field
-from .text import Texts
 from .values import plain_expression, plain_text, read_attr
 
 _MANY = 64
@@ -36,7 +35,7 @@ _QUOTED = lazily(r'"(\w+)"')
 
 
 def read_collections(
-    pass_: Asked, targets: Targets, texts: Texts, needed: Iterable[str]
+    pass_: Asked, targets: Targets, needed: Iterable[str]
 ) -> tuple[Collection, ...]:
     """The collections of a pass that some layer says anything about, built-in or applied.
 
@@ -44,7 +43,7 @@ def read_collections(
     """
     prim = pass_.prim
     names = sorted(collection_names(pass_.authored).intersection(pass_.schema.collections))
-    found = [_Reader(prim, pass_, name, targets, texts).read() for name in names]
+    found = [_Reader(prim, pass_, name, targets).read() for name in names]
     asked = [*needed, *(m.path for c in found for m in c.members)]
     paths = {above for path in asked for above in Sdf.Path(path).GetPrimPath().GetPrefixes()}
     return tuple(replace(c, **_held(Usd.CollectionAPI(prim, c.name), paths)) for c in found)
@@ -87,7 +86,6 @@ class _Reader:
     asked: Asked
     name: str
     targets: Targets
-    texts: Texts
 
     def read(self) -> Collection:
         prim, asked, prefix = self.prim, self.asked, f"collection:{self.name}"
@@ -204,30 +202,18 @@ class _Reader:
         return path if prefix == "/" else out_of_namespace_of(self.prim, spec, path)
 
     def _relative(self, specs: list[Sdf.AttributeSpec]) -> dict[str, str]:
-        """Composed patterns that are written relative, and how: the parser makes them absolute, so
-        only the text knows. Nobody writes the path of the pass itself: in a binary layer a pattern
-        that begins with it was relative."""
+        """Composed patterns that are written relative, and how: the parser makes them absolute, and
+        so does every view and copy of a layer. But nobody writes the path of the pass itself: a
+        pattern that begins with it was relative."""
         found: dict[str, str] = {}
         for spec in specs:
             anchor = spec.path.GetPrimPath().StripAllVariantSelections()
-            text = self.texts.of(spec.layer)
-            if text is None:
-                written = tree(spec.default)
-                pairs = [
-                    (p, p.text.removeprefix(str(anchor)).lstrip("/") or ".")
-                    for p, _ in (written.patterns() if written else ())
-                    if Sdf.Path(p.prefix).HasPrefix(anchor)
-                ]
-            else:
-                pairs = [
-                    pair
-                    for one in text.expressions()
-                    if one.path == str(spec.path)
-                    for pair in _written_relative(one.text, anchor)
-                ]
-            for parsed, as_written in pairs:
-                prefix = self._out_of(spec, parsed.prefix)
-                found[str(prefix) + parsed.text.removeprefix(parsed.prefix)] = as_written
+            said = tree(spec.default)
+            for parsed, _ in said.patterns() if said else ():
+                if Sdf.Path(parsed.prefix).HasPrefix(anchor):
+                    prefix = self._out_of(spec, parsed.prefix)
+                    as_written = parsed.text.removeprefix(str(anchor)).lstrip("/") or "."
+                    found[str(prefix) + parsed.text.removeprefix(parsed.prefix)] = as_written
         return found
 
     def _others(self, site: Site, specs: list[Sdf.AttributeSpec]) -> Iterator[OtherCollection]:
@@ -281,18 +267,6 @@ class _Reader:
 
 def _of_spec(at: Site, spec: Sdf.AttributeSpec, text: str) -> Site:
     return replace(at, target=text, layer=spec.layer.identifier, spec=str(spec.path))
-
-
-def _written_relative(text: str, anchor: Sdf.Path) -> Iterator[tuple[Parsed, str]]:
-    """Patterns that do not begin at the root, as they are once they do."""
-    try:
-        expression = Sdf.PathExpression(text)
-        written, absolute = tree(expression), tree(expression.MakeAbsolute(anchor))
-    except Tf.ErrorException:  # ill-formed; another opinion counts
-        return
-    if written and absolute:
-        pairs = zip(written.patterns(), absolute.patterns(), strict=True)
-        yield from ((b, a.text) for (a, _), (b, _) in pairs if not a.text.startswith("/"))
 
 
 def _names_groups(parsed: Parsed, adding: list[Parsed]) -> bool:

@@ -31,7 +31,7 @@ def ill_formed_expressions(texts: Texts, file: str) -> list[Layer]:
         return []
     text = texts.of_file(file)
     found = []
-    for expression in text.all_expressions() if text else ():
+    for expression in text.expressions() if text else ():
         if problem := _problem(expression.text):
             site = Site("/", "syntax", expression.text, file, expression.path)
             found.append(Layer(file, site, problem))

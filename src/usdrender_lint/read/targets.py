@@ -193,7 +193,8 @@ class Targets:
         candidates = self._candidates.get((spelt, expected or ""), ())
         if missing and not via and path.HasPrefix(owner.at) and path.GetPrimPath() != owner.at:
             written = self._texts.written_target(self._stage, site)
-            relative = written is None and meant is not None
+            # A layer that was saved again shows the whole path, as a binary one does.
+            relative = meant is not None and (written is None or written.startswith("/"))
         return Target(
             spelt,
             found.state,
@@ -212,7 +213,9 @@ class Targets:
             self._variant_with(path) if missing else "",
             missing
             and not candidates
-            and (self._part.is_library or (self._part.is_part and expected == "Camera")),
+            and (self._part.is_library or (self._part.is_part and expected == "Camera"))
+            # Nobody looks for anything but its own vars below a render prim.
+            and not (expected == "Camera" and path.HasPrefix(owner.at)),
         )
 
     def _forward(self, first: Sdf.Path, seen: set[Sdf.Path]) -> Iterator[tuple[Sdf.Path, str]]:

@@ -47,16 +47,10 @@ def _is_host_prim(target: Target, renderer: Renderer) -> bool:
 
 def _is_relative(target: Target) -> bool:
     """Written without the leading slash, where the path from the root was meant."""
-    if target.state is not State.MISSING or target.via:
+    if target.state is not State.MISSING or target.via or target.meant is None:
         return False
-    if target.probably_relative:
-        return True
     written = target.as_written
-    return (
-        written is not None
-        and not written.startswith(".")
-        and (target.meant is not None or "/" in written)
-    )
+    return target.probably_relative or (written is not None and not written.startswith("."))
 
 
 @rule(
@@ -116,9 +110,10 @@ def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
                 related=tuple(start_of(target)),
             )
             continue
+        why = f": <{target.as_written}> is relative to <{prim.path}>" if target.as_written else ""
         yield Finding(
             target.written,
-            f"{what} <{target.path}> does not exist",
+            f"{what} <{target.path}> does not exist{why}",
             label="no such property" if target.is_property else "no prim here",
             help=did_you_mean(target, kind, plural),
             related=(
