@@ -18,7 +18,9 @@ from usdrender_lint.testing import (
     marked,
 )
 
-RULES = Path(__file__).parents[1] / "rules"
+ROOT = Path(__file__).parents[1]
+RULES = ROOT / "rules"
+CONTRIBUTING = ROOT / ".github" / "CONTRIBUTING.md"
 IDS = sorted(p.stem for p in RULES.glob("*.md") if p.stem != "README")
 
 
@@ -58,12 +60,26 @@ def test_links_lead_to_pages(rule_id: str) -> None:
 
 @pytest.mark.parametrize("rule_id", IDS)
 def test_sources_come_first_and_other_rules_last(rule_id: str) -> None:
-    """And none of them is a sentence."""
-    text = (RULES / f"{rule_id}.md").read_text("utf-8")
-    *sources, last = text.partition("## See also\n")[2].strip().splitlines()
-    page = r"\[[a-z0-9-]+\]\([a-z0-9-]+\.md\)"
-    assert re.fullmatch(rf"- Related: {page}(, {page})*", last)
-    assert [s for s in sources if not re.fullmatch(r"- .+[^.]", s) or re.search(page, s)] == []
+    assert _wrong_references((RULES / f"{rule_id}.md").read_text("utf-8")) == []
+
+
+def test_the_page_that_contributors_begin_with_has_the_form_of_all() -> None:
+    template = re.search(
+        r"^````markdown\n(.*?)^````$", CONTRIBUTING.read_text("utf-8"), re.M | re.S
+    )
+    assert template is not None
+    assert parse(template[1]).title == "my-rule"
+    assert _wrong_references(template[1]) == []
+
+
+def _wrong_references(page: str) -> list[str]:
+    """Lines of "See also" that are sentences, or that name other rules elsewhere than in a last line
+    for all of them."""
+    lines = page.partition("## See also\n")[2].strip().splitlines()
+    link = r"\[[a-z0-9-]+\]\([a-z0-9-]+\.md\)"
+    if lines and re.fullmatch(rf"- Related: {link}(, {link})*", lines[-1]):
+        lines.pop()
+    return [line for line in lines if not re.fullmatch(r"- .+[^.]", line) or re.search(link, line)]
 
 
 def _updated(text: str, rule_id: str) -> str:

@@ -477,7 +477,8 @@ def test_options_in_the_text_exist(file: str) -> None:
 @pytest.mark.parametrize("file", FILES)
 def test_links_lead_somewhere(file: str) -> None:
     here = (ROOT / file).parent
-    for path, anchor in re.findall(r"\]\((?!https?:)([^)#]*)(?:#([^)]+))?\)", read(file)):
+    text = re.sub(r"^(`{3,}).*?^\1$", "", read(file), flags=re.M | re.S)  # no links there
+    for path, anchor in re.findall(r"\]\((?!https?:)([^)#]*)(?:#([^)]+))?\)", text):
         target = here / path if path else ROOT / file
         assert target.exists(), path
         if anchor:
