@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import select
+import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Protocol
 
@@ -119,7 +120,7 @@ def divide(channel: Channel, lines: Sequence[Lifeline], task: Callable[[Pipes], 
     """Of the copy: become one for each line, which does `task`; tell how many there are, and how each
     of them ended. None if a library has begun a thread, which a copy would not have."""
     numbers: dict[int, int] = {}
-    for number, line in enumerate(lines if is_alone() else ()):
+    for number, line in enumerate(lines if _is_alone() else ()):
         others = (channel, *(one for one in lines if one is not line))
         try:
             numbers[copied_to(line, task, others)] = number
@@ -131,3 +132,12 @@ def divide(channel: Channel, lines: Sequence[Lifeline], task: Callable[[Pipes], 
     while numbers:
         pid, status = os.wait()
         channel.sendall(framed(packed((numbers.pop(pid), os.waitstatus_to_exitcode(status)))))
+
+
+def _is_alone() -> bool:
+    """Before Python 3.13 a thread that has ended is forgotten there a moment before it is gone."""
+    for _ in range(20):
+        if is_alone():
+            return True
+        time.sleep(0.0005)
+    return False

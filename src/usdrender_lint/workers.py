@@ -3,7 +3,8 @@
 The files are linted in processes of their own. When one of them dies or takes too long, the file
 that it was at is blamed, and a new process takes the rest. This process opens no layer and imports
 nothing of USD: where a process can be copied, a worker is a copy of this small one, made before USD
-is there (1 ms, and no thread that could be lost by it); elsewhere it is started anew.
+is there (1 ms, and no thread that could be lost by it), or of one that has USD and nothing else to
+do; elsewhere it is started anew.
 """
 
 from __future__ import annotations
