@@ -54,7 +54,9 @@ LAYERS = (
     ("headstart",),
     ("worker",),
     ("ready",),
-    ("lint", "lint_file", "ignores", "variants"),
+    ("lint",),
+    ("lint_file", "ignores", "variants"),
+    ("job", "merge"),
     ("report", "report.*", "output"),
     ("run", "signs", "settle", "locate", "concerns", "suppress", "baseline"),
     ("read", "read.*"),
@@ -93,9 +95,6 @@ LAYERS = (
     ("records", "lazily"),
 )
 """From the top; a module imports from its own line and from those below."""
-
-LATE = {("lint", "lint_file")}
-"""Against the order, and so only within a function: USD is imported when there is a file to open."""
 
 
 @dataclass(frozen=True)
@@ -240,7 +239,7 @@ def test_only_the_registry_knows_which_rules_there_are() -> None:
 def test_imports_go_one_way() -> None:
     strange = []
     for found in IMPORTS:
-        if found.inside and ((found.by, found.name) not in LATE or found.at_once):
+        if found.inside:
             upper, lower = layer_of(found.by), layer_of(found.name)
             if upper is not None and lower is not None and lower < upper:
                 strange.append(str(found))
@@ -252,8 +251,7 @@ def test_imports_go_in_no_circle() -> None:
     graph: dict[str, set[str]] = {}
     for found in IMPORTS:
         # The package itself holds only the version.
-        known = not found.name or found.name == found.by or (found.by, found.name) in LATE
-        if found.inside and not known:
+        if found.inside and found.name not in ("", found.by):
             graph.setdefault(found.by, set()).add(found.name)
     try:
         TopologicalSorter(graph).prepare()

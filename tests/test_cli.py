@@ -27,7 +27,8 @@ from usdrender_lint import __version__, cli, lint_file, wanted
 from usdrender_lint.__main__ import main
 from usdrender_lint.cli import command
 from usdrender_lint.formats import FORMATS
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.registry import Selection, all_rules, select
 from usdrender_lint.report import page_url
 from usdrender_lint.results import Report

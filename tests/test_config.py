@@ -29,7 +29,7 @@ from usdrender_lint.config.own_renderers import FILE_OF_RENDERER
 from usdrender_lint.config.places import places
 from usdrender_lint.config.schema import URL, schema
 from usdrender_lint.config.toml import load
-from usdrender_lint.lint import Config
+from usdrender_lint.job import Config
 from usdrender_lint.registry import all_rules, matching
 from usdrender_lint.rule import Severity
 from usdrender_lint.wanted import Options, baseline, wanted

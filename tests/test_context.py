@@ -14,7 +14,8 @@ from conftest import ROOT
 from usdrender_lint import lint as lint_module
 from usdrender_lint.__main__ import main
 from usdrender_lint.baseline import Baseline
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.results import Report
 from usdrender_lint.rule import Severity
 

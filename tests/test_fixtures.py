@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.results import Report
 from usdrender_lint.rule import Severity
 from usdrender_lint.testing import Mark, marked, marks_in, marks_of

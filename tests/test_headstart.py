@@ -164,7 +164,7 @@ THREADS = """
 import os, sys, time
 from usdrender_lint import headstart, workers
 from usdrender_lint.discover import Shown, Target
-from usdrender_lint.lint import Config, FileResult
+from usdrender_lint.job import Config, FileResult
 from usdrender_lint.registry import select
 from usdrender_lint.worker import Linting, Order
 

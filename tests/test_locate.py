@@ -11,7 +11,8 @@ from pxr import Sdf, Usd, UsdUtils
 from conftest import ROOT
 from usdrender_lint.diagnostics import Diagnostics
 from usdrender_lint.discover import Shown
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.locate import SYNTAX, Locator, severity_of
 from usdrender_lint.model import Site
 from usdrender_lint.read.text import Texts

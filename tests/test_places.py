@@ -8,7 +8,8 @@ import pytest
 from pxr import Sdf
 
 from conftest import before
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.registry import select
 from usdrender_lint.results import Located, Location, Report
 

@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 from pxr import Sdf, Usd
 
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.model import (
     Layer,
     Pass,

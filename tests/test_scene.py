@@ -9,7 +9,8 @@ from pxr import Sdf, Usd
 
 from conftest import ROOT
 from usdrender_lint import stage
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.read import scene
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.results import Report

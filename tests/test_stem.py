@@ -18,7 +18,7 @@ from test_workers import Doing, named, told
 from usdrender_lint import stem as stems
 from usdrender_lint.copies import Line, Pipes, copied
 from usdrender_lint.discover import Target
-from usdrender_lint.lint import FileResult
+from usdrender_lint.job import FileResult
 from usdrender_lint.stem import Stem
 from usdrender_lint.worker import serve_whatever
 from usdrender_lint.workers import Isolated, Worker, forked, run

@@ -14,7 +14,8 @@ from pxr import Sdf, Usd, UsdUtils, Vt
 from conftest import ROOT
 from usdrender_lint import usda_scan
 from usdrender_lint.__main__ import main
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.opening import open_layer
 from usdrender_lint.registry import all_rules, select
 from usdrender_lint.report import sarif

@@ -16,7 +16,8 @@ from pxr import Sdf, Tf, Usd
 
 from conftest import installed, since
 from usdrender_lint.diagnostics import Diagnostics, sentences
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.model import Collection, Gives, Pattern, PredicateState, RenderScope, State
 from usdrender_lint.opening import open_layer
 from usdrender_lint.read import read

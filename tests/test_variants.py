@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from usdrender_lint.lint import Config, lint
+from usdrender_lint.job import Config
+from usdrender_lint.lint import lint
 from usdrender_lint.lint_file import MOST_VARIANTS
 from usdrender_lint.registry import select
 from usdrender_lint.results import Located, Report

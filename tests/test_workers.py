@@ -27,7 +27,8 @@ from usdrender_lint.aside import listening
 from usdrender_lint.discover import Shown, Target
 from usdrender_lint.formats import FORMATS
 from usdrender_lint.frames import packed, unpacked
-from usdrender_lint.lint import Config, FileResult, lint
+from usdrender_lint.job import Config, FileResult
+from usdrender_lint.lint import lint
 from usdrender_lint.registry import select
 from usdrender_lint.testing import BASE
 from usdrender_lint.workers import Isolated, Worker, forked, run, spawned

@@ -1,11 +1,10 @@
-"""The program in one screen: discover, open, read, run, settle, locate, suppress, report."""
+"""From paths to a report: discover, lint each file, see it in its stages, merge what is found."""
 
 from __future__ import annotations
 
 import os
-from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import field, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from . import __version__
@@ -22,97 +21,15 @@ from .context import (
 )
 from .discover import Shown, discover
 from .discover import Target as File
+from .job import Asked, Config, FileResult, Lint, crashed_rule
+from .merge import merged
 from .model import Layer
-from .patterns import Patterns
 from .records import dataclass
-from .registry import Selection, select
-from .renderers import ANY, Own, renderer
-from .results import Located, Problem, RendererChoice, Report, Verdict
-from .rule import Context, Renderer, Severity
-from .run import Crash, Rules
-from .suppress import Ignore, Key, findings_of
-
-SCOPES = ("/Render",)
-"""Where the schema has render prims, and renderers look for them."""
-NAMED = 3
-"""Prims that a message lists beside its own."""
-
-
-@dataclass(frozen=True, slots=True)
-class Judged:
-    """What becomes of the rules that are asked for on the stages that one renderer judges."""
-
-    judge: Renderer
-    rules: Rules
-    """Those that run."""
-    silent: frozenset[str]
-    """Those of which nothing is told, whatever there is to find."""
-
-
-@dataclass(frozen=True, slots=True)
-class Config:
-    """What the person asked for."""
-
-    selection: Selection = field(default_factory=select)
-    severities: dict[str, Severity] = field(default_factory=dict)
-    renderer: str = "auto"
-    own_renderers: tuple[Own, ...] = ()
-    """Beside those of the package."""
-    variants: bool = False
-    """Also every variant of the variant sets that reach the render spec."""
-    scopes: tuple[str, ...] = SCOPES
-    ignores: bool = True
-    """Whether comments and metadata hide findings."""
-    roots: tuple[str, ...] = ()
-    """Stages through which the layers that they use are linted: patterns of `glob`, absolute or from
-    the current folder."""
-    per_file_ignores: tuple[tuple[Patterns, frozenset[str]], ...] = ()
-    """Rules not to report of the layers whose files a pattern matches."""
-    fail_on: str = "warning"
-    """The least severity that fails a run; `never` for none."""
-    _judged: dict[int, Judged] = field(init=False, compare=False, default_factory=dict)
-
-    def judged_by(self, judge: Renderer) -> Judged:
-        if id(judge) not in self._judged:
-            self._judged[id(judge)] = self._by(judge)
-        return self._judged[id(judge)]
-
-    def _by(self, judge: Renderer) -> Judged:
-        told = self.selection.told
-        rules = Rules(r for r in self.selection.run if not r.renderers or judge.name in r.renderers)
-        off = {rule for rule, severity in judge.severities.items() if severity is None}
-        speaking = told.intersection(r.id for r in rules) - off.difference(self.severities)
-        return Judged(judge, rules, told - speaking)
-
-    def leaves_out(self, rule: str, file: str) -> bool:
-        """Whether a rule is not to be reported of a file's layers."""
-        return any(rule in rules and file in files for files, rules in self.per_file_ignores)
-
-
-@dataclass(frozen=True, slots=True)
-class FileResult:
-    """What one root layer gave."""
-
-    findings: tuple[Located, ...] = ()
-    problems: tuple[Problem, ...] = ()
-    renderer: RendererChoice | None = None
-    layers: tuple[str, ...] = ()
-    """All that took part; none where the root layer could not be linted."""
-    chatter: tuple[str, ...] = ()
-    ignores: tuple[Ignore, ...] = ()
-    """All suppressions that the root layer holds."""
-    needed: frozenset[Key] = frozenset()
-    """Suppressions, of whatever layer, that silence something here, or may in what was not seen."""
-    silent: frozenset[str] | None = None
-    """Of the rules that are asked for those that did not look at it, which are fewer than those that
-    did; None if a part of the stage is missing."""
-    outline: Outline | None = None
-    """None where there was no stage."""
-
-
-Asked = tuple[File, Config]
-"""A file, and what is asked for it."""
-Lint = Callable[[Sequence[Asked], Shown], list[FileResult]]
+from .renderers import ANY, renderer
+from .results import Located, Problem, Report, Verdict
+from .rule import Context, Severity
+from .run import Crash
+from .suppress import Key, findings_of
 
 
 def lint_here(asked: Iterable[Asked], shown: Shown) -> list[FileResult]:
@@ -250,25 +167,25 @@ def _report(
     configs = [group.config for group in groups]
     about: list[Located] = []
     for config in configs:
-        told, crashes = _about_suppressions(config, linted, results, ran)
-        about += told
+        of_these, crashes = _about_suppressions(config, linted, results, ran)
+        about += of_these
         problems = [*problems, *(crashed_rule(file, crash) for file, crash in crashes)]
     found = [*(f for r in results for f in r.findings), *about]
     if not all(config.ignores for config in configs):
         found = [replace(f, verdict=Verdict.REPORTED) for f in found]
-    merged = _merge(found)
+    told = merged(found)
     rules = {rule.id: rule for config in configs for rule in config.selection.run}
     return Report(
         __version__,
         tuple(rules[name] for name in sorted(rules)),
         tuple(sorted(file.shown for file in files if not file.about)),
-        tuple(f for f in merged if f.verdict is Verdict.REPORTED),
+        tuple(f for f in told if f.verdict is Verdict.REPORTED),
         tuple(sorted(dict.fromkeys(problems), key=lambda p: (p.path, p.kind, p.message))),
         tuple(r.renderer for r in results if r.renderer),
         tuple(sorted({s for c in configs for s in c.selection.skipped}, key=lambda s: s.rule)),
         tuple(sorted({layer for r in results for layer in r.layers})),
         tuple(dict.fromkeys(c for r in results for c in r.chatter)),
-        tuple(f for f in merged if f.verdict is not Verdict.REPORTED),
+        tuple(f for f in told if f.verdict is not Verdict.REPORTED),
         ran,
         tuple(sorted({file.shown for file in files if file.about})),
         tuple(notes),
@@ -322,51 +239,3 @@ def _ran(linted: Sequence[Asked], results: list[FileResult]) -> dict[str, frozen
             at = str(file.file)
             ran[file.shown] -= {r for r in ran[file.shown] if config.leaves_out(r, at)}
     return {f: rules for f, rules in ran.items() if f not in broken}
-
-
-def crashed_rule(root: str, crash: Crash) -> Problem:
-    said = f"the rule {crash.rule.id} failed on <{crash.subject}>: {crash.error}"
-    message = f"{said}. This is a bug of usdrender-lint"
-    return Problem("crashed-rule", root, message, crash.rule.id)
-
-
-def _merge(findings: Iterable[Located]) -> tuple[Located, ...]:
-    """Equal findings of several stages are one that says where it holds, and so are those that one
-    opinion gives to several prims."""
-    merged: dict[tuple[object, ...], Located] = {}
-    for finding in findings:
-        identity = finding.identity
-        if known := merged.get(identity):
-            finding = replace(known, roots=tuple(sorted({*known.roots, *finding.roots})))
-        merged[identity] = finding
-    return tuple(_numbered(sorted(_shared(merged.values()), key=lambda f: f.sort_key)))
-
-
-def _shared(findings: Iterable[Located]) -> Iterator[Located]:
-    sharing: dict[tuple[object, ...], list[Located]] = {}
-    for finding in findings:
-        sharing.setdefault(finding.shared_with, []).append(finding)
-    for shared in sharing.values():
-        if len(shared) == 1 and len(shared[0].roots) == 1:  # most are
-            yield shared[0]
-            continue
-        first, *others = sorted(shared, key=lambda f: f.sort_key)
-        also = tuple(sorted({f.prim_path for f in others} - {first.prim_path}))
-        roots = tuple(sorted({root for f in shared for root in f.roots}))
-        yield replace(first, message=f"{first.message}{_also(also)}", also=also, roots=roots)
-
-
-def _also(prims: tuple[str, ...]) -> str:
-    if not prims:
-        return ""
-    named = ", ".join(f"<{path}>" for path in prims[:NAMED])
-    return f" (also for {named}{f' and {len(prims) - NAMED} more' if len(prims) > NAMED else ''})"
-
-
-def _numbered(findings: Iterable[Located]) -> Iterator[Located]:
-    """A rule may say two things of one property: each is known by a fingerprint of its own."""
-    seen: Counter[tuple[str, ...]] = Counter()
-    for finding in findings:
-        known_by = finding.known_by
-        seen[known_by] += 1
-        yield finding if seen[known_by] == finding.nth else replace(finding, nth=seen[known_by])

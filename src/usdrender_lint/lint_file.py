@@ -19,8 +19,8 @@ from .discover import Shown
 from .discover import Target as File
 from .handed import handed_over
 from .ignores import Ignores
+from .job import Config, FileResult, crashed_rule
 from .lazily import lazily
-from .lint import Config, FileResult, crashed_rule
 from .locate import Locator, severity_of
 from .model import Layer, RenderScope, Site
 from .opening import open_layer

@@ -9,7 +9,7 @@ from .config import Configuration
 from .config.find import Configurations
 from .context import stages_of
 from .discover import STDIN, Found, Shard, Shown, discover, root_of
-from .lint import Asked, Config
+from .job import Asked, Config
 from .patterns import Patterns
 from .records import dataclass
 from .results import Problem

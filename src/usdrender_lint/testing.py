@@ -17,8 +17,9 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from .job import Config
 from .lazily import lazily
-from .lint import Config, lint
+from .lint import lint
 from .model import Suppressions
 from .pages import Case, Page
 from .registry import all_rules, select

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Literal
 
 from .config import Asked, ConfigError, Configuration, Source
-from .lint import SCOPES, Config
+from .job import SCOPES, Config
 from .patterns import Patterns
 from .records import dataclass
 from .registry import all_rules, matching, select

@@ -16,7 +16,8 @@ from .discover import Shown
 from .discover import Target as File
 from .frames import Channel, framed, packed, received, unpacked
 from .handed import accept, handed_over
-from .lint import Config, FileResult, lint_here
+from .job import Config, FileResult
+from .lint import lint_here
 from .machine import most_memory
 from .ready import get_ready, use_threads
 from .records import dataclass

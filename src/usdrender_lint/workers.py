@@ -24,7 +24,8 @@ from .aside import listening
 from .copies import awaited, can_be_copied, copied, fill_closed_streams
 from .discover import Shown
 from .frames import Channel, framed, frames_in, packed, unpacked
-from .lint import Asked, FileResult, lint_here
+from .job import Asked, FileResult
+from .lint import lint_here
 from .machine import cores
 from .records import dataclass
 from .results import Problem
