@@ -75,7 +75,7 @@ LAYERS = (
         "discover",
         "crate",
         "usda",
-        "usda_*",
+        "usda.*",
         "renderers",
         "registry",
         "pages",

@@ -12,7 +12,6 @@ import pytest
 from pxr import Sdf, Usd, UsdUtils, Vt
 
 from conftest import ROOT
-from usdrender_lint import usda_scan
 from usdrender_lint.__main__ import main
 from usdrender_lint.job import Config
 from usdrender_lint.lint import lint
@@ -23,7 +22,7 @@ from usdrender_lint.results import Report, Verdict
 from usdrender_lint.rule import Finding, Severity
 from usdrender_lint.suppress import is_about_suppressions
 from usdrender_lint.testing import BASE, HEADER
-from usdrender_lint.usda import UsdaText
+from usdrender_lint.usda import UsdaText, scan
 
 IGNORE = "# usdrender-lint: ignore[unresolved-target]"
 SUPPRESSION_RULES = {i for i, r in all_rules().items() if is_about_suppressions(r)}
@@ -849,10 +848,10 @@ def test_a_rule_about_suppressions_that_crashes_makes_the_run_incomplete(tmp_pat
 def test_a_text_without_the_mark_is_not_searched_for_comments(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def fail(_: object) -> Iterator[usda_scan.Range]:
+    def fail(_: object) -> Iterator[scan.Range]:
         raise AssertionError
 
-    monkeypatch.setattr(usda_scan.Scan, "comments", fail)
+    monkeypatch.setattr(scan.Scan, "comments", fail)
     report = linted(tmp_path, settings("rel camera = </c> # a comment"))
     assert told(report) == ["unresolved-target /c"]
     with pytest.raises(AssertionError):

@@ -9,7 +9,7 @@ from pxr import Sdf
 
 from conftest import since
 from usdrender_lint.lint import lint
-from usdrender_lint.unread import is_type
+from usdrender_lint.usda.unread import is_type
 
 IN_SETTINGS = {
     'rel products = [</A>, </B>\n    ¦}\n    def "x"\n    {': (

@@ -13,7 +13,7 @@ from pxr import Sdf, Tf
 
 from usdrender_lint.results import Span
 from usdrender_lint.usda import Expression, UsdaText
-from usdrender_lint.usda_lines import Lines
+from usdrender_lint.usda.lines import Lines
 
 CORPUS = Path(__file__).parents[2] / "shared" / "corpus"
 
@@ -454,7 +454,7 @@ def test_large_layer() -> None:
 
 def test_import_is_cheap() -> None:
     """Nothing that a run without findings could do without."""
-    heavy = "{'pxr', 'tree_sitter', 'usdrender_lint.usda_scan'} & set(sys.modules)"
+    heavy = "{'pxr', 'tree_sitter', 'usdrender_lint.usda.scan'} & set(sys.modules)"
     command = f"import sys, usdrender_lint.usda; sys.exit(bool({heavy}))"
     assert subprocess.run([sys.executable, "-c", command], check=False).returncode == 0
 

@@ -12,8 +12,8 @@ from . import crate, packages
 from .handed import bytes_at
 from .lazily import lazily
 from .unopened import EMPTY, ParseProblem, Unreadable
-from .unread import closing, samples, statement, string
-from .usda_lines import Lines
+from .usda.lines import Lines
+from .usda.unread import closing, samples, statement, string
 
 _AT = lazily(r":(\d+):(\d+): (.*)", re.S)
 _NEAR = lazily(r"(.*) at '(.*?)' in <(.*)>", re.S)

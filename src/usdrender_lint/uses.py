@@ -207,7 +207,7 @@ class Uses:
 def _metadata_ends(head: bytes) -> int | None:
     """Where the metadata of a text layer ends, if its first bytes tell."""
     # Its patterns take 15 ms to compile.
-    from .usda_scan import Scan
+    from .usda.scan import Scan
 
     metadata = Scan(head).root.metadata
     if metadata is None:  # there is none, or nothing but comments so far
@@ -219,7 +219,7 @@ def _sublayers(data: bytes) -> Iterator[bytes]:
     """As written, of a text layer."""
     if b"subLayers" not in data:
         return
-    from .usda_scan import Scan
+    from .usda.scan import Scan
 
     end = _metadata_ends(data[:_HEAD])
     scan = Scan(data if end is None else data[: end + 1])

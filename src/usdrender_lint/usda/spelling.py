@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 
-from .lazily import lazily
-from .records import dataclass
+from ..lazily import lazily
+from ..records import dataclass
 
 _PATH = lazily(r"(?P<prim>(?:[^.{]|\{[^}]*\})*)(?:\.(?P<property>[^\[]*))?")
 _STEP = lazily(r"\{(?P<set>[^={}]*)=(?P<variant>[^{}]*)\}|(?P<prim>[^/{}]+)")

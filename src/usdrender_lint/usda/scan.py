@@ -14,9 +14,9 @@ from collections.abc import Iterator
 from dataclasses import field
 from functools import cached_property
 
-from .lazily import lazily
-from .records import dataclass
-from .usda_lines import LINE_BREAK, Range
+from ..lazily import lazily
+from ..records import dataclass
+from .lines import LINE_BREAK, Range
 
 # Every repetition is possessive and every closing mark optional: what is not closed runs to
 # its end, once. Otherwise each stray mark would cost a walk through the rest of the text.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from .lazily import lazily
+from ..lazily import lazily
 
 _CONDITION = r"""\{(?:[^{}"'\\]|\\.|"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')*\}"""
 _TERM = lazily(rf"%(?:[\w/.:-]|\.\.)*|(?:[^\s(){{}}+&~\-\[\]]|\[[^\]]*\]|{_CONDITION})+", re.S)

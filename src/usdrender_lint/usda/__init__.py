@@ -11,14 +11,14 @@ from functools import cached_property
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
-from .records import dataclass
-from .results import Span
-from .usda_lines import LINE_BREAK, Lines, Range
-from .usda_patterns import find_pattern
-from .usda_spelling import SpecPath, absolute, decoded, encoded, raw_offset, unescaped
+from ..records import dataclass
+from ..results import Span
+from .lines import LINE_BREAK, Lines, Range
+from .patterns import find_pattern
+from .spelling import SpecPath, absolute, decoded, encoded, raw_offset, unescaped
 
 if TYPE_CHECKING:
-    from .usda_scan import Block, Scan, Statement
+    from .scan import Block, Scan, Statement
 
 KEYWORDS = {
     "documentation": "doc",
@@ -79,7 +79,7 @@ class UsdaText:
     @cached_property
     def _scan(self) -> Scan:
         # Its patterns take 15 ms to compile, which a run without findings saves.
-        from .usda_scan import Scan
+        from .scan import Scan
 
         return Scan(self._data)
 

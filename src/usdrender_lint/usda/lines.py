@@ -6,7 +6,7 @@ from array import array
 from bisect import bisect_left
 from itertools import islice
 
-from .lazily import lazily
+from ..lazily import lazily
 
 Range = tuple[int, int]
 """The first byte of a stretch of text, and the one after its last."""

@@ -9,8 +9,8 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from .lazily import lazily
-from .likeness import most_alike
+from ..lazily import lazily
+from ..likeness import most_alike
 
 Wrong = tuple[str, int]
 """A sentence, and the byte that it is about."""
