@@ -8,7 +8,7 @@ from itertools import count
 
 from pxr import Sdf, Tf, Usd
 
-from .model import RENDER_TYPES
+from .model import EXPECTED, RENDER_TYPES
 from .records import dataclass
 from .unopened import ParseProblem, Unreadable
 
@@ -16,9 +16,9 @@ PROBE = "__probe__"
 """No prim has this name: masking `/World/set/__probe__` populates `/World/set` and its
 ancestors, and none of its children."""
 
-RENDER_RELATIONSHIPS = frozenset(
-    {"camera", "products", "orderedVars", "renderSource", "inputPasses"}
-)
+Lead = tuple[Sdf.Path, str, list[Sdf.Path] | None]
+"""A render prim, one of its relationships, and what this leads to, not forwarded; None where some
+layer authors it as an attribute."""
 
 ROUNDS = 8
 """Of widening, prim by prim, before the layers are asked what a chain leads to in the end."""
@@ -48,6 +48,8 @@ class Opened:
     other_types: frozenset[str] = frozenset()
     """Of all that is no render prim, by the names that are written, known ones or not."""
     in_scopes: list[Usd.Prim] | None = None
+    leads: dict[Sdf.Path, list[Lead]] = field(default_factory=dict)
+    """Those of each prim. What is populated later changes none of them."""
 
 
 def open_stage(
@@ -108,7 +110,7 @@ class _Search:
 
     def __init__(self, opened: Opened) -> None:
         self._opened = opened
-        self._begun: set[Sdf.Path] = set()
+        self._begun: set[tuple[Sdf.Path, str]] = set()
         self._followed: set[Sdf.Path] = set()
         self._beyond: list[Sdf.Path] = []
         """Where prims have to be populated before it goes on."""
@@ -117,11 +119,10 @@ class _Search:
         """What has to be populated next. `ahead`: also what the layers alone promise will follow,
         for a long chain of prims is not populated one by one."""
         pending, self._beyond = self._beyond, []
-        for prim in render_prims(self._opened):
-            path = _path(prim)
-            if path not in self._begun:
-                self._begun.add(path)
-                pending += _led_to(prim)
+        for owner, name, targets in leads(self._opened):
+            if (owner, name) not in self._begun:
+                self._begun.add((owner, name))
+                pending += targets or ()
         wanted: set[Sdf.Path] = set()
         stage = self._opened.stage
         while pending:
@@ -234,10 +235,20 @@ _kinds: dict[str, frozenset[str]] = {}
 """Of prims by the name of their type."""
 
 
-def _led_to(prim: Usd.Prim) -> Iterator[Sdf.Path]:
-    for name in RENDER_RELATIONSHIPS.intersection(_names(prim)):
-        if relationship := _relationship(prim, name):
-            yield from targets_of(relationship)
+def leads(opened: Opened) -> Iterator[Lead]:
+    """Of all render prims that are populated by now."""
+    for prim in render_prims(opened):
+        path = _path(prim)
+        if path not in opened.leads:
+            opened.leads[path] = [*_leads_of(prim, path)]
+        yield from opened.leads[path]
+
+
+def _leads_of(prim: Usd.Prim, path: Sdf.Path) -> Iterator[Lead]:
+    names = _names(prim)
+    for name in EXPECTED:
+        if name in names and (relationship := _relationship(prim, name)):
+            yield path, name, listed_by(relationship)
 
 
 def relationship_at(stage: Usd.Stage, path: Sdf.Path) -> Usd.Relationship | None:
@@ -247,9 +258,14 @@ def relationship_at(stage: Usd.Stage, path: Sdf.Path) -> Usd.Relationship | None
 
 
 def targets_of(relationship: Usd.Relationship) -> list[Sdf.Path]:
-    """Not forwarded. None of a relationship that some layer authors as an attribute: USD raises."""
+    """Not forwarded. None of a relationship that some layer authors as an attribute."""
+    return listed_by(relationship) or []
+
+
+def listed_by(relationship: Usd.Relationship) -> list[Sdf.Path] | None:
+    """Not forwarded; None where some layer authors it as an attribute: USD raises."""
     try:
         found: list[Sdf.Path] = _targets(relationship)
     except Tf.ErrorException:
-        return []
+        return None
     return found

@@ -6,13 +6,22 @@ from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Iterator
 
-from pxr import Pcp, Sdf, Tf, Usd
+from pxr import Pcp, Sdf, Usd
 
 from ..likeness import most_alike
 from ..model import EXPECTED, RENDER_TYPES, Candidate, Clobbered, Lost, Rel, Site, State, Target
 from ..records import dataclass
 from ..sites import node_of, out_of_namespace_of
-from ..stage import Opened, kinds_of, relationship_at, render_prims, targets_of, widen
+from ..stage import (
+    Opened,
+    kinds_of,
+    leads,
+    listed_by,
+    relationship_at,
+    render_prims,
+    targets_of,
+    widen,
+)
 from .arcs import Failures
 from .parts import Part
 from .prims import Asked, Opinion, Prims, state_of, type_is_known
@@ -33,7 +42,6 @@ _SPECS = 4000
 
 # Looked up on an object, USD checks the object first, which takes longer than these do.
 _relationship = Usd.Prim.GetRelationship
-_targets = Usd.Relationship.GetTargets
 _type_name = Usd.Prim.GetTypeName
 
 
@@ -77,9 +85,9 @@ class Targets:
         self._candidates: dict[tuple[str, str], tuple[Candidate, ...]] = {}
         self._censuses: dict[str, _Census] = {}
         self._looked: dict[Sdf.Path, _Found] = {}
-        self._followed: dict[tuple[str, str], _Followed | None] = {}
-        self.prims = Prims(opened)
+        self._followed: dict[tuple[Sdf.Path, str], _Followed | None] = {}
         self._survey()
+        self.prims = Prims(opened)
 
     def rel(self, prim: Asked, name: str) -> Rel:
         """The relationship `name` of a render prim, forwarded, with what was lost on the way."""
@@ -114,18 +122,14 @@ class Targets:
         """None: no layer says anything about the relationship."""
         if name not in prim.authored:
             return None
-        key = prim.path, name
+        key = prim.at, name
         if key not in self._followed:
-            self._followed[key] = self._followed_now(prim, name)
+            said = _relationship(prim.prim, name)
+            self._followed[key] = self._forwarded(name, listed_by(said)) if said else None
         return self._followed[key]
 
-    def _followed_now(self, prim: Asked, name: str) -> _Followed | None:
-        relationship = _relationship(prim.prim, name)
-        if not relationship:
-            return None
-        try:
-            raw = _targets(relationship)
-        except Tf.ErrorException:
+    def _forwarded(self, name: str, raw: list[Sdf.Path] | None) -> _Followed:
+        if raw is None:
             return _Followed(None)
         if name not in EXPECTED:
             # The includes and excludes of a collection are not forwarded by USD.
@@ -296,12 +300,11 @@ class Targets:
     def _survey(self) -> None:
         """Before anything is read: what stands where broken targets may have been meant."""
         broken: list[tuple[Sdf.Path, Sdf.Path, str]] = []
-        for prim in self.prims.rendered:
-            for name in [name for name in EXPECTED if name in prim.authored]:
-                followed = self._follow(prim, name)
-                for _, last, _ in followed.ends if followed else ():
-                    if self._is_broken(last, EXPECTED[name]):
-                        broken.append((prim.at, last, EXPECTED[name]))
+        for owner, name, raw in leads(self._opened):
+            followed = self._followed[owner, name] = self._forwarded(name, raw)
+            for _, last, _ in followed.ends:
+                if self._is_broken(last, EXPECTED[name]):
+                    broken.append((owner, last, EXPECTED[name]))
         if broken:
             self._mend(broken)
 
@@ -351,7 +354,6 @@ class Targets:
     def _widen(self, wanted: Iterable[str]) -> None:
         if widen(self._opened, wanted):
             self._looked.clear()
-            self.prims = Prims(self._opened)
 
     def _suggest(self, path: Sdf.Path, expected: str) -> None:
         """Note prims of the type that may have been meant by `path`, best first."""
