@@ -39,10 +39,13 @@ def unique(told: Iterable[Told]) -> list[Told]:
         key = one.rule.id, one.finding.at.site, one.finding.message
         found.setdefault(key, one)
         related.setdefault(key, {}).update(dict.fromkeys(one.finding.related))
-    return [
-        replace(one, finding=replace(one.finding, related=tuple(related[key])))
-        for key, one in found.items()
-    ]
+    return [_relating(one, tuple(related[key])) for key, one in found.items()]
+
+
+def _relating(one: Told, related: tuple[tuple[HasSite, str], ...]) -> Told:
+    if len(related) == len(one.finding.related):  # nobody says more
+        return one
+    return replace(one, finding=replace(one.finding, related=related))
 
 
 @dataclass(slots=True)
