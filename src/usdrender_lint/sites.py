@@ -127,6 +127,9 @@ def into_layer(stage: Usd.Stage, site: Site, spot: Spot) -> Translation | None:
     or another arc; None where it brings them in under the same paths."""
     if spot.path == "/":
         return None
+    own = spot.path.partition(".")[0] == site.prim_path
+    if own and spot.layer in stage.GetLayerStack():
+        return None
     at = Sdf.Path(spot.path).GetPrimOrPrimVariantSelectionPath()
     path = Sdf.Path(site.prim_path)
     while path.IsPrimPath():

@@ -17,7 +17,7 @@ LINE_BREAK = lazily(rb"\r\n|\n|\r")
 class Lines:
     """Numbers of lines, without a list of them all: a large layer has millions."""
 
-    _STEP = 1 << 16
+    _STEP = 1 << 12
 
     def __init__(self, data: bytes) -> None:
         self._data = data

@@ -23,6 +23,10 @@ class SpecPath:
 
     @classmethod
     def of(cls, text: str) -> SpecPath:
+        if "{" not in text:  # as most are
+            prim, dot, name = text.partition(".")
+            names = tuple((one,) for one in prim.split("/") if one)
+            return cls(names, name.partition("[")[0] if dot else None)
         match = _PATH.match(text)
         assert match, "the pattern matches the empty text"  # noqa: S101 for mypy
         found = _STEP.finditer(match["prim"])
