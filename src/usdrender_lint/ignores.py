@@ -122,7 +122,18 @@ class _Opening:
         used = self._stage.GetUsedLayers()
         return {self._texts.file_of(layer): layer for layer in used}
 
+    @cached_property
+    def _is_silent(self) -> bool:
+        """There is nothing but the root layer, and its text is without the word."""
+        root = self._stage.GetRootLayer()
+        return (
+            all(layer == root or layer.anonymous for layer in self._stage.GetUsedLayers())
+            and self._texts.mention(root.realPath, _WORD) is False
+        )
+
     def in_metadata(self, finding: Located) -> Iterator[Ignore]:
+        if self._is_silent:
+            return
         at = finding.location
         name = _full_name(at)
         if name not in self._of_layers:
