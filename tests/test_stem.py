@@ -110,11 +110,16 @@ def test_more_than_there_are_lines_get_ready_themselves() -> None:
 
 
 def test_what_kills_one_of_them_is_told_and_costs_no_other() -> None:
-    names = ["abort", "a", "b", "killed", "exit", "c", "abort-2", "d"]
+    names = ["abort", "a", "b", "killed", "exit", "c", "speaks-abort", "d"]
     with crew(2, 2) as (how, _):
         results = run(Doing(), named(*names), how, forked)
-    died = {"killed": "out-of-memory"} | dict.fromkeys(("abort", "exit", "abort-2"), "crashed-usd")
+    died = {"killed": "out-of-memory"} | dict.fromkeys(
+        ("abort", "exit", "speaks-abort"), "crashed-usd"
+    )
     assert told(results) == [died.get(name, name) for name in names]
+    assert [r and "what was said last" in r.chatter for r in results] == [
+        "speaks" in n for n in names
+    ]
     assert results[0] is not None
     assert results[0].chatter == ("abort: the process that linted it ended with SIGABRT",)
 

@@ -62,6 +62,8 @@ class Doing:
     def __call__(self, file: Target) -> FileResult:
         name = file.shown
         faulthandler.disable()  # pytest's, which would speak in a copied process, too
+        if "speaks" in name:
+            os.write(2, b"what was said last\n")
         if "abort" in name:
             os.abort()
         if "killed" in name:
@@ -207,6 +209,17 @@ def test_a_file_that_takes_too_long_costs_no_other(start: workers.Start) -> None
     assert results[1] is not None
     assert results[1].problems[0].message.startswith("linting it took longer than 0.5 s")
     assert time.monotonic() - began < 60
+
+
+@linux
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_last_words_are_told(jobs: int) -> None:
+    """Of a worker that dies or hangs: they may name the guilty layer."""
+    names = ["a", "speaks", "speaks-abort", "b", "speaks-sleep"]
+    results = run(Doing(), named(*names), Isolated(jobs, timeout=1), forked)
+    assert told(results) == ["a", "speaks", "crashed-usd", "b", "timed-out"]
+    said = ["what was said last" in r.chatter for r in results if r]
+    assert said == ["speaks" in name for name in names]
 
 
 @posix

@@ -17,11 +17,14 @@ _MOST = 2000
 
 
 class Aside:
-    """A file that takes what is printed."""
+    """A file that takes what is printed. `number`: one that another process holds, too, which can
+    ask it should this one die."""
 
-    def __init__(self) -> None:
+    def __init__(self, number: int | None = None) -> None:
         self._file: IO[bytes] | None = None
-        if hasattr(os, "memfd_create"):
+        if number is not None:
+            self._number = os.dup(number)
+        elif hasattr(os, "memfd_create"):
             self._number = os.memfd_create("stderr")
         else:
             from tempfile import TemporaryFile  # gone with the process, whatever ends it
@@ -37,12 +40,10 @@ class Aside:
         if not size:
             return ()
         os.lseek(self._number, 0, os.SEEK_SET)
-        text = os.read(self._number, _MOST).decode(errors="replace").strip()
+        said = os.read(self._number, _MOST)
         os.ftruncate(self._number, 0)
         os.lseek(self._number, 0, os.SEEK_SET)
-        if size > _MOST:
-            text += f" ... and {size - _MOST} bytes more"
-        return (text,) if text else ()
+        return _told(said, size)
 
     def close(self) -> None:
         if self._file is None:
@@ -51,8 +52,20 @@ class Aside:
             self._file.close()
 
 
+def last_words(number: int) -> tuple[str, ...]:
+    """What another process has printed into that file, and did not live to take."""
+    return _told(os.pread(number, _MOST, 0), os.fstat(number).st_size)
+
+
+def _told(said: bytes, size: int) -> tuple[str, ...]:
+    text = said.decode(errors="replace").strip()
+    if size > _MOST:
+        text += f" ... and {size - _MOST} bytes more"
+    return (text,) if text else ()
+
+
 @contextmanager
-def listening() -> Iterator[Aside | None]:
+def listening(number: int | None = None) -> Iterator[Aside | None]:
     """Nothing is printed meanwhile. None where there is no standard error, or no room for a file."""
     _flush()
     try:
@@ -62,7 +75,7 @@ def listening() -> Iterator[Aside | None]:
         return
     aside = None
     with suppress(OSError):
-        aside = Aside()
+        aside = Aside(number)
     try:
         yield aside
     finally:

@@ -44,11 +44,13 @@ class Pipes:
 
 
 class Lifeline(Pipes):
-    """And one end of a pipe that says nothing: it breaks when the process at the other is gone."""
+    """And one end of a pipe that says nothing: it breaks when the process at the other is gone. And
+    a file for its last words, where there are such files that have no name."""
 
-    def __init__(self, read: int, write: int, life: int) -> None:
+    def __init__(self, read: int, write: int, life: int, words: int | None) -> None:
         super().__init__(read, write)
         self.life: int | None = life
+        self.words = words
 
     def cut(self) -> None:
         """Where it breaks, the process at the other end is gone at once (Linux)."""
@@ -59,6 +61,9 @@ class Lifeline(Pipes):
     def close(self) -> None:
         super().close()
         self.cut()
+        if self.words is not None:
+            os.close(self.words)
+            self.words = None
 
 
 class Line:
@@ -70,13 +75,16 @@ class Line:
         try:
             for _ in range(3):
                 ends += os.pipe()
+            if hasattr(os, "memfd_create"):
+                ends.append(os.memfd_create("words"))
+                ends.append(os.dup(ends[-1]))
         except OSError:
             for end in ends:
                 os.close(end)
             raise
-        tasks, results, life = ends[:2], ends[2:4], ends[4:]
-        self.ours = Lifeline(results[0], tasks[1], life[1])
-        self.theirs = Lifeline(tasks[0], results[1], life[0])
+        tasks, results, life, words = ends[:2], ends[2:4], ends[4:6], ends[6:] or (None, None)
+        self.ours = Lifeline(results[0], tasks[1], life[1], words[1])
+        self.theirs = Lifeline(tasks[0], results[1], life[0], words[0])
 
 
 class Copy:

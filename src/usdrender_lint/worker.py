@@ -112,7 +112,7 @@ def serve(channel: Channel, work: Work, files: Sequence[Named], limits: Limits) 
     _limit_resources()
     work.prepare(limits.threads)
     channel.sendall(framed(b""))
-    with listening() as aside:
+    with listening(getattr(channel, "words", None)) as aside:
         _serve(channel, work, files, limits, aside)
 
 

@@ -20,7 +20,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import field, replace
 
 from . import headstart
-from .aside import listening
+from .aside import last_words, listening
 from .copies import awaited, can_be_copied, copied, fill_closed_streams
 from .discover import Shown
 from .frames import Channel, framed, frames_in, packed, unpacked
@@ -168,6 +168,11 @@ class Worker:
         self.heard += data
         return frames_in(self.heard)
 
+    def words(self) -> tuple[str, ...]:
+        """What was printed in it since its last result, where that can be known."""
+        number = getattr(self.channel, "words", None)
+        return () if number is None else last_words(number)
+
     def end(self) -> int | None:
         """Its exit code, whether or not it would have gone by itself; None if it cannot be ended."""
         self.stop()
@@ -187,7 +192,7 @@ class _Crew:
         fair = len(files) // (self._wanted * 4) if self._wanted > 1 else len(files)
         self._chunk = max(1, min(_CHUNK, fair))
         self._left = deque(range(len(files)))
-        self._again: deque[tuple[int, int | None]] = deque()
+        self._again: deque[tuple[int, FileResult]] = deque()
         """On which a worker died that had done something before: that may have been the reason."""
         self._results: list[FileResult | None] = [None] * len(files)
         self._done = 0
@@ -217,8 +222,8 @@ class _Crew:
             self._dismiss_the_late()
             self._hire()
             self._tell_progress()
-        for index, code in self._again:  # never in this process
-            self._settle(index, _died(self._files[index], code))
+        for index, died in self._again:  # never in this process
+            self._settle(index, died)
         return self._results
 
     def _call_back(self) -> None:
@@ -323,6 +328,7 @@ class _Crew:
     def _bury(self, worker: Worker) -> None:
         """It has died. If it had done other things before, they may be to blame: that is tried."""
         self._workers.remove(worker)
+        words = worker.words()
         if (code := worker.wait()) is None:  # it has closed its end, and does not die
             worker.stop()
         if not worker.ready:
@@ -331,10 +337,11 @@ class _Crew:
             return
         index = worker.files.popleft()
         self._left.extendleft(reversed(worker.files))
+        died = _died(self._files[index], code, words)
         if worker.fresh:
-            self._settle(index, _died(self._files[index], code))
+            self._settle(index, died)
         else:
-            self._again.append((index, code))
+            self._again.append((index, died))
 
     def _dismiss_the_late(self) -> None:
         now = time.monotonic()
@@ -342,12 +349,13 @@ class _Crew:
             limit = self._limit(worker)
             if not limit or now - worker.since < limit:
                 continue
+            words = worker.words()
             self._let_go(worker)
             if not worker.ready:
                 self._given_up = True
             else:
                 index = worker.files.popleft()
-                self._settle(index, _late(self._files[index], limit))
+                self._settle(index, _late(self._files[index], limit, words))
             self._left.extendleft(reversed(worker.files))
 
     def _limit(self, worker: Worker) -> float:
@@ -361,7 +369,7 @@ class _Crew:
             self._how.progress(self._done, len(self._files), file)
 
 
-def _died(file: Named, code: int | None) -> FileResult:
+def _died(file: Named, code: int | None, words: tuple[str, ...]) -> FileResult:
     name = ""
     if code is not None and code < 0:
         with suppress(ValueError):
@@ -373,12 +381,12 @@ def _died(file: Named, code: int | None) -> FileResult:
     else:
         what, kind = "the process that linted it ended without a result", "crashed-usd"
     how = f"{file.shown}: the process that linted it ended with {name or code}"
-    return FileResult(problems=(Problem(kind, file.shown, what),), chatter=(how,))
+    return FileResult(problems=(Problem(kind, file.shown, what),), chatter=(*words, how))
 
 
-def _late(file: Named, limit: float) -> FileResult:
+def _late(file: Named, limit: float, words: tuple[str, ...]) -> FileResult:
     said = f"linting it took longer than {limit:g} s: --timeout allows more"
-    return FileResult(problems=(Problem("timed-out", file.shown, said),))
+    return FileResult(problems=(Problem("timed-out", file.shown, said),), chatter=words)
 
 
 # How a worker comes to be
