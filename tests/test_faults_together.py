@@ -1,4 +1,4 @@
-"""Faults that meet: none hides another one, and none is told twice."""
+"""Faults that meet, and those that stand on a camera: none hides another one, none is told twice."""
 
 from __future__ import annotations
 
@@ -162,3 +162,70 @@ def test_the_format_that_husk_is_to_be_told_is_one_that_it_knows() -> None:
     )
     (finding,) = [f for f in report.findings if f.rule.id == "karma-incomplete-var"]
     assert finding.help == 'author custom token driver:parameters:aov:format = "color3f"'
+
+
+# -- what is wrong with a camera
+
+
+@pytest.mark.parametrize(
+    ("body", "rule"),
+    [
+        ('string focalLength = "35"', "type-mismatch"),
+        ("double horizontalAperture = 35", "type-mismatch"),
+        ("float3 clippingRange = (1, 2, 3)", "type-mismatch"),
+        ("float focallength = 35", "misspelled-property"),
+        ("float horizontalApeture = 35", "misspelled-property"),
+    ],
+)
+def test_a_camera_is_held_against_its_schema(body: str, rule: str) -> None:
+    assert told(camera=body) == [rule]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "float cameraAperture = 35",
+        "float focalLengthX = 35",
+        "float fthetaWidth = 35",
+        "custom float houdini:focallength = 35",
+        "custom int2 resolution = (3, 4)",
+        'token cameraProjectionType = "pinhole"',
+    ],
+)
+def test_what_others_say_of_a_camera_is_theirs(body: str) -> None:
+    assert told(camera=body) == []
+
+
+@pytest.mark.parametrize("name", ["Cam", "camera", "Cameras", "UsdGeomCamera", "Camrea"])
+def test_a_camera_of_a_misspelt_type(name: str) -> None:
+    """USD takes it for a type of a plug-in that is not here."""
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace("def Camera", f"def {name}")
+    _, marks = lint_files({"main.usda": main})
+    assert [(m.rule, m.severity, m.line) for m in marks if m.severity != "note"] == [
+        ("wrong-target-type", "error", 33)
+    ]
+
+
+@pytest.mark.parametrize("name", ["OmniLidar", "VRayCamera", "CameraRig"])
+def test_a_camera_of_a_renderers_own_type(name: str) -> None:
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace("def Camera", f"def {name}")
+    _, marks = lint_files({"main.usda": main})
+    assert [m.rule for m in marks if m.severity != "note"] == []
+
+
+# -- what a var holds
+
+
+@pytest.mark.parametrize(
+    ("kind", "source", "rules"),
+    [
+        ("float", "Ci", ["data-type-mismatch"]),
+        ("int", "RGBA", ["data-type-mismatch"]),
+        ("half3", "Ci", []),
+        ("float", "crypto_asset", []),
+        ("float", "  ", ["empty-source-name"]),
+    ],
+)
+def test_a_color_is_more_than_one_number(kind: str, source: str, rules: list[str]) -> None:
+    var = f'uniform token dataType = "{kind}"\n        uniform string sourceName = "{source}"'
+    assert told(var=var) == rules

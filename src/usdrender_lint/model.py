@@ -276,17 +276,25 @@ class TypeOpinion:
 
 
 @dataclass(frozen=True, slots=True)
-class RenderPrim:
-    """What every render prim has. A rule `on=RenderPrim` sees all four types."""
+class Described:
+    """A prim whose properties are held against its schema: a render prim, or a camera in use."""
 
     path: str
     type_name: str
-    """As authored; may be a type that derives from the four."""
-    state: State
+    """As authored; may be a type that derives from the schema's."""
     site: Site
     properties: tuple[Property, ...]
+    """All that some layer authors; of a camera those that its schema does not have, or of another
+    type."""
     built_in: tuple[str, ...]
     """Un-namespaced properties of its definition."""
+
+
+@dataclass(frozen=True, slots=True)
+class RenderPrim(Described):
+    """What every render prim has. A rule `on=RenderPrim` sees all four types."""
+
+    state: State
     rels: tuple[Rel, ...]
     extras: tuple[Attr[str], ...]
     """Authored attributes that its schema does not have, their values as text, by name."""
@@ -418,12 +426,9 @@ View = Output | Settings | Product
 
 
 @dataclass(frozen=True, slots=True)
-class Camera:
+class Camera(Described):
     """A camera that something is rendered through."""
 
-    path: str
-    type_name: str
-    site: Site
     projection: Attr[str]
     horizontal_aperture: Attr[float]
     vertical_aperture: Attr[float]

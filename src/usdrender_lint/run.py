@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from .model import Camera, Layer, RenderPrim, RenderScope, Scene, State, Suppressions
+from .model import Described, Layer, RenderPrim, RenderScope, Scene, State, Suppressions
 from .records import dataclass
 from .rule import AnyRule, Context, Finding
 from .signs import signs_of
@@ -27,7 +27,7 @@ class Crash:
     error: str
 
 
-Subject = RenderScope | RenderPrim | Camera | Layer | Scene | Suppressions
+Subject = RenderScope | Described | Layer | Scene | Suppressions
 
 
 def subjects_of(scope: RenderScope) -> Iterator[Subject]:

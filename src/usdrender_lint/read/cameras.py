@@ -22,6 +22,7 @@ from ..model import (
     View,
 )
 from .prims import Asked, same_storage, state_of
+from .properties import read_property
 from .values import plain_floats, plain_text, read_attr
 
 T = TypeVar("T")
@@ -100,10 +101,14 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
     for field, (_, plain) in _ATTRIBUTES.items():
         if attrs[field] in varying:
             attrs[field] = _sampled(asked, attrs[field], plain, times)
+    odd = [name for name in asked.authored if ":" not in name and name not in asked.schema.names]
+    odd += [attr.name for attr in attrs.values() if attr.state is ValueState.MISTYPED]
     return Camera(
         path=path,
         type_name=str(prim.GetTypeName()),
         site=Site(path),
+        properties=tuple(read_property(asked, name) for name in sorted(odd)),
+        built_in=tuple(sorted(n for n in asked.schema.names if ":" not in n)) if odd else (),
         **attrs,
         instance=_instance(prim),
         views=views,

@@ -29,10 +29,11 @@ def owners_of(name: str) -> tuple[str, ...]:
 
 def read_properties(asked: Asked) -> tuple[Property, ...]:
     """Every property that some layer authors, by name."""
-    return tuple(_read_property(asked, name) for name in sorted(asked.authored))
+    return tuple(read_property(asked, name) for name in sorted(asked.authored))
 
 
-def _read_property(asked: Asked, name: str) -> Property:
+def read_property(asked: Asked, name: str) -> Property:
+    """One that some layer authors."""
     path, schema = f"{asked.path}.{name}", asked.schema
     is_schema = name in schema.names
     if not is_schema and ":" in name:

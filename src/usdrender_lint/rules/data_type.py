@@ -97,6 +97,9 @@ _SCALARS = frozenset(
 )
 """Sources that hold one number, whatever the renderer."""
 
+_COLORS = frozenset({"Ci", "RGBA", "color", "LdrColor", "HdrColor"})
+"""Sources that hold a color."""
+
 _FORMATS = ("arnold:format", "driver:parameters:aov:format")
 """Attributes that some renderers read instead of `dataType`, strongest first."""
 
@@ -147,6 +150,18 @@ def _mismatch(var: Var, held: Pixel) -> Finding | None:
             label=f"{held.components} numbers",
             help=f'write uniform token dataType = "{exact}"',
             related=((var.source_name, "is one number"),),
+        )
+    if (
+        var.source_type.value == "raw"
+        and name in _COLORS
+        and max(held.components, written.components) == 1
+    ):
+        return Finding(
+            kind,
+            f"{said} holds one number, but '{name}' is a color",
+            label="one number",
+            help='write uniform token dataType = "color3f"',
+            related=((var.source_name, "is a color"),),
         )
     if var.source_type.value == "lpe" and name and max(held.components, written.components) == 1:
         return Finding(

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from ..likeness import likeness
 from ..model import (
     RENDER_TYPES,
+    Described,
     OtherPrim,
     Property,
     RenderPrim,
@@ -24,14 +25,14 @@ GROUP = "property"
 
 @rule(
     "misspelled-property",
-    on=RenderPrim,
+    on=Described,
     severity=Severity.ERROR,
     since="0.1",
     supersedes=LACKING,
     by_itself=True,
     about=(Sign.ODD_PROPERTY,),
 )
-def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+def misspelled_property(prim: Described, context: Context) -> Iterator[Finding]:
     """A property is nearly, but not quite, one of the schema's."""
     for found in prim.properties:
         if found.is_schema or ":" in found.name or found.belongs_to or not found.has_value:
@@ -52,7 +53,7 @@ def misspelled_property(prim: RenderPrim, context: Context) -> Iterator[Finding]
             )
 
 
-def _taking_from(prim: RenderPrim) -> Iterator[str]:
+def _taking_from(prim: Described) -> Iterator[str]:
     """The products of settings, which take from them what they do not say themselves."""
     if isinstance(prim, Settings):
         yield from (t.path for t in prim.products.targets)
@@ -101,7 +102,7 @@ def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
 
 @rule(
     "type-mismatch",
-    on=RenderPrim,
+    on=Described,
     severity=Severity.ERROR,
     since="0.1",
     supersedes=(
@@ -113,7 +114,7 @@ def _left_without(prim: RenderPrim, found: Property) -> Iterator[Site]:
     by_itself=True,
     about=(Sign.ODD_PROPERTY,),
 )
-def type_mismatch(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+def type_mismatch(prim: Described, context: Context) -> Iterator[Finding]:
     """A schema attribute is authored with another type, so renderers do not read it."""
     for found in prim.properties:
         if found.type_fits or found.is_relationship or not found.has_value:

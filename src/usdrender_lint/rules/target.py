@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
@@ -9,7 +10,7 @@ from ..model import EXPECTED, Pass, Property, Rel, RenderPrim, RenderScope, Site
 from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._chains import start_of, why_not_live
 from ._handful import LACKING
-from ._words import a_or_an, did_you_mean
+from ._words import a_or_an, did_you_mean, nearest
 
 GROUP = "property"
 
@@ -140,6 +141,15 @@ def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
             if isinstance(prim, Pass) and prim.command.value:
                 continue  # a node of the application that the command starts
             found = "a property"
+        elif meant := _misspelt_type(target, kind):
+            yield Finding(
+                Site(target.path, "typeName"),
+                f"{what} <{target.path}> is {a_or_an(target.type_name)}, which is no type of USD: nobody takes it for {a_or_an(kind)}",
+                label="no such type",
+                help=f"did you mean {meant}?",
+                related=((target.written, "leads there"),),
+            )
+            continue
         else:
             found = a_or_an(target.type_name) if target.type_name else "a prim without a type"
         yield Finding(
@@ -151,6 +161,14 @@ def wrong_target_type(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         )
 
 
+def _misspelt_type(target: Target, kind: str) -> str | None:
+    """Types of render prims have a rule of their own, which looks at all of them."""
+    if target.type_known or kind != "Camera":
+        return None
+    bare = re.sub("^Usd(Geom)?", "", target.type_name)
+    return kind if bare == "Cam" else nearest(bare, [kind])
+
+
 def _is_wrong(target: Target, kind: str, context: Context) -> bool:
     if target.is_property:
         return True
@@ -160,7 +178,7 @@ def _is_wrong(target: Target, kind: str, context: Context) -> bool:
         return False
     if not target.type_name:
         return target.state is State.LIVE
-    return target.type_known
+    return target.type_known or _misspelt_type(target, kind) is not None
 
 
 @rule(

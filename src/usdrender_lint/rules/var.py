@@ -28,7 +28,7 @@ def empty_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]
     """A var that a product lists does not name its source."""
     named = listed(p.ordered_vars for p in scope.products if p.live)
     for var in scope.vars:
-        if not var.live or var.path not in named or var.source_name.value or var.maybe_more:
+        if not var.live or var.path not in named or var.source_name.value.strip() or var.maybe_more:
             continue
         if var.source_name.state is ValueState.MISTYPED or _named_otherwise(var, context):
             continue
