@@ -110,6 +110,13 @@ def test_a_var_behind_a_misspelt_target(var: str, rule: str) -> None:
     assert told(product=product, var=var) == sorted([rule, "unresolved-target"])
 
 
+def test_a_product_of_another_name_is_not_taken_for_the_missing_one() -> None:
+    """Only a target that is nearly its name, or the one that was meant, makes it a product in use."""
+    settings = SETTINGS.replace("/Render/Beauty", "/Render/Crypto")
+    product = 'rel orderedVars = </Render/Color>\n        token productName = "/o/a.exr"'
+    assert told(settings, product) == ["unresolved-target"]
+
+
 # -- one fault, once
 
 
@@ -229,3 +236,21 @@ def test_a_camera_of_a_renderers_own_type(name: str) -> None:
 def test_a_color_is_more_than_one_number(kind: str, source: str, rules: list[str]) -> None:
     var = f'uniform token dataType = "{kind}"\n        uniform string sourceName = "{source}"'
     assert told(var=var) == rules
+
+
+# -- whose settings they are
+
+
+@pytest.mark.parametrize(
+    ("namespace", "noted"),
+    [
+        ("kamra", True),
+        ("arnnold", True),
+        ("Ri", True),
+        ("rig", False),
+        ("ray", False),
+        ("x", False),
+    ],
+)
+def test_a_misspelt_namespace_is_noted(namespace: str, noted: bool) -> None:
+    assert ("unknown-namespace" in severity(f"{SETTINGS}\n        int {namespace}:a = 1")) is noted

@@ -87,7 +87,7 @@ class TestMatching:
     def test_all_and_default(self) -> None:
         assert matching("ALL") == set(IDS)
         assert matching("default") == {r.id for r in RULES.values() if r.default}
-        assert "many-material-purposes" not in matching("default")
+        assert "no-all-purpose-fallback" not in matching("default")
 
     @pytest.mark.parametrize(
         ("name", "hint"),

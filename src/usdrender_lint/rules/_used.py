@@ -6,6 +6,7 @@ from collections.abc import Iterable
 
 from ..model import Rel, RenderScope, Var
 from ..rule import Context, once
+from ._words import is_near
 
 
 def listed(rels: Iterable[Rel]) -> set[str]:
@@ -19,7 +20,7 @@ def listed(rels: Iterable[Rel]) -> set[str]:
             if target.meant:
                 found.add(target.meant)
             if not target.live:
-                found.update(c.path for c in target.candidates[:1])
+                found.update(c.path for c in target.candidates[:1] if is_near(target, c))
     return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from ..likeness import likeness
-from ..model import Target
+from ..model import Candidate, Target
 
 SIMILAR = 0.78
 """Ratio from which two names may be one misspelt; found by trial on real files."""
@@ -60,15 +60,19 @@ def _are_opposites(one: str, other: str) -> bool:
     )
 
 
+def is_near(target: Target, other: Candidate) -> bool:
+    """Of nearly the same name, or below it as the camera is below an Xform."""
+    name = target.path.partition(".")[0].rpartition("/")[2]
+    return likeness(name, other.name) >= SIMILAR or other.path.startswith(target.path + "/")
+
+
 def did_you_mean(target: Target, kind: str, plural: str) -> str:
     """What a broken target may have meant, or which prims there are to choose from."""
     found = target.candidates
     if not found:
         return f"no {kind} was found to point it at"
-    name = target.path.partition(".")[0].rpartition("/")[2]
     best = found[0]
-    near = likeness(name, best.path.rpartition("/")[2]) >= SIMILAR
-    if near or best.path.startswith(target.path + "/"):
+    if is_near(target, best):
         return f"did you mean <{best.path}>?"
     if len(found) == 1:  # no guess: it may be of the right type and nothing else
         return f"the only {kind} found is <{best.path}>"

@@ -60,7 +60,7 @@ def orphan_product(scope: RenderScope, context: Context) -> Iterator[Finding]:
     # Where nobody lists a product, that is one fault, and not one of the products.
     if not any(r.named for r in rels) or _unclear(rels, scope, "products"):
         return
-    meant = listed(rels)
+    meant = listed(rels) | _perhaps_meant(rels)
     orphans = [p for p in scope.products if _is_unlisted(p, meant)]
     settings = [s.path for s in scope.settings if s.live]
     yield from handful((_orphan_product(p, settings) for p in orphans), "products")
@@ -84,7 +84,7 @@ def orphan_var(scope: RenderScope, context: Context) -> Iterator[Finding]:
         return  # what is not listed is perhaps what a product without a list should list
     if not any(r.named for r in rels) or _unclear(rels, scope, "orderedVars"):
         return
-    meant = listed(rels)
+    meant = listed(rels) | _perhaps_meant(rels)
     orphans = [v.path for v in scope.vars if _is_unlisted(v, meant)]
     for _, found in groupby(orphans, lambda path: path.rpartition("/")[0]):
         group = list(found)
@@ -107,6 +107,12 @@ def _unclear(rels: Iterable[Rel], scope: RenderScope, name: str) -> bool:
     """Some list was lost, and what it held is not to be called an orphan."""
     lost = any(r.written_as_attribute or r.lost or r.maybe_more for r in rels)
     return lost or any(p.name == name for other in scope.others for p in other.properties)
+
+
+def _perhaps_meant(rels: Iterable[Rel]) -> set[str]:
+    """By broken targets, however unlike: what one of them may have meant is no orphan for certain."""
+    broken = (t for rel in rels for t in rel.targets if not t.live)
+    return {c.path for target in broken for c in target.candidates[:1]}
 
 
 @rule("per-product-view", on=RenderScope, severity=Severity.NOTE, since="0.1", about=("products",))

@@ -116,7 +116,6 @@ def unknown_material_purpose(settings: Settings, context: Context) -> Iterator[F
     on=Settings,
     severity=Severity.NOTE,
     since="0.1",
-    default=False,
     supersedes=("no-all-purpose-fallback",),
     about=("materialBindingPurposes",),
 )
@@ -233,7 +232,7 @@ def empty_material_purposes(settings: Settings, context: Context) -> Iterator[Fi
     on=Settings,
     severity=Severity.WARNING,
     since="0.1",
-    supersedes=("houdini-all-purpose", "repeated-purpose"),
+    supersedes=("houdini-all-purpose", "many-material-purposes", "repeated-purpose"),
     about=("materialBindingPurposes",),
 )
 def material_purpose_order(settings: Settings, context: Context) -> Iterator[Finding]:

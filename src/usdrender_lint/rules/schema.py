@@ -11,6 +11,7 @@ from ._words import a_or_an, nearest, one_of
 GROUP = "property"
 
 _NEAR_NAMESPACE = 0.8
+_SHORT = 3
 
 
 @rule(
@@ -42,7 +43,6 @@ def unknown_property(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     on=RenderPrim,
     severity=Severity.NOTE,
     since="0.1",
-    default=False,
 )
 def unknown_namespace(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A namespace is nearly, but not quite, that of a renderer."""
@@ -52,7 +52,9 @@ def unknown_namespace(prim: RenderPrim, context: Context) -> Iterator[Finding]:
         head, colon, _ = found.name.partition(":")
         if not colon or found.is_schema or head in known or head in told:
             continue
-        if meant := nearest(head, known, _NEAR_NAMESPACE):
+        meant = nearest(head, known, _NEAR_NAMESPACE)
+        # Of two or three letters most are near another one: only the case may differ.
+        if meant and (len(head) > _SHORT or head.lower() == meant.lower()):
             told.add(head)
             yield Finding(
                 Site(f"{prim.path}.{found.name}"),
