@@ -91,12 +91,12 @@ def test_it_is_written_sorted_a_finding_a_line_without_lines_and_times(
 ) -> None:
     run = call("shots", "--baseline", "known.json", "--update-baseline")
     assert run.code == 0
-    assert run.err == "Note: known.json is written: 2 added, 0 taken out, 2 in all\n"
+    assert run.err == "note: known.json is written: 2 added, 0 taken out, 2 in all\n"
     assert run.findings == []
     assert run.summary["baseline"] == 2
     assert (show / "known.json").read_text("utf-8") == WRITTEN
     again = call("shots", "--baseline", "known.json", "--update-baseline")
-    assert again.err == "Note: known.json is written: 0 added, 0 taken out, 2 in all\n"
+    assert again.err == "note: known.json is written: 0 added, 0 taken out, 2 in all\n"
     assert (show / "known.json").read_text("utf-8") == WRITTEN
 
 
@@ -159,7 +159,7 @@ def test_what_is_known_is_hidden_and_what_is_new_is_not(
     run = call("shots", "--baseline", "known.json")
     assert run.code == 1
     assert [f["target"] for f in run.findings] == ["/d"]
-    assert run.err == "Note: known.json holds 1 finding that is gone: see --update-baseline\n"
+    assert run.err == "note: known.json holds 1 finding that is gone: see --update-baseline\n"
 
 
 @pytest.mark.parametrize(
@@ -291,7 +291,7 @@ def test_an_audit_shows_all(show: Path, call: Call, known: Path) -> None:
 
 def test_only_what_this_run_could_have_found_is_gone(show: Path, call: Call, known: Path) -> None:
     (show / "shots" / "a.usda").write_text(CLEAN, "utf-8")
-    gone = "Note: known.json holds 2 findings that are gone: see --update-baseline\n"
+    gone = "note: known.json holds 2 findings that are gone: see --update-baseline\n"
     assert call("shots", "--baseline", "known.json").err == gone
     assert call("shots", "--baseline", "known.json", "-q").err == ""
     for args in (
@@ -301,10 +301,10 @@ def test_only_what_this_run_could_have_found_is_gone(show: Path, call: Call, kno
     ):
         assert call(*args, "--baseline", "known.json").err == ""
         run = call(*args, "--baseline", "known.json", "--update-baseline")
-        assert run.err == "Note: known.json is written: 0 added, 0 taken out, 2 in all\n"
+        assert run.err == "note: known.json is written: 0 added, 0 taken out, 2 in all\n"
         assert known.read_text("utf-8") == WRITTEN
     run = call("shots", "--baseline", "known.json", "--update-baseline")
-    assert run.err == "Note: known.json is written: 0 added, 2 taken out, 0 in all\n"
+    assert run.err == "note: known.json is written: 0 added, 2 taken out, 0 in all\n"
 
 
 def test_a_layer_that_was_only_used_is_not_judged(show: Path, call: Call, known: Path) -> None:
@@ -343,7 +343,7 @@ def test_an_incomplete_run_updates_nothing(show: Path, call: Call, known: Path) 
     assert "gone" not in run.err
     run = call("shots", "--baseline", "known.json", "--update-baseline")
     assert run.code == 2
-    assert "Error: known.json is not updated: the run is incomplete\n" in run.err
+    assert "error: known.json is not updated: the run is incomplete\n" in run.err
     assert known.read_text("utf-8") == WRITTEN
 
 
@@ -382,7 +382,7 @@ def test_what_is_no_baseline_is_told_by_line_and_kept(
     file.write_text(text, "utf-8")
     run = call("shots", "--baseline", "known.json", *(["--update-baseline"] if update else []))
     assert (run.code, run.out) == (2, "")
-    assert run.err.startswith(f"Error: {said}")
+    assert run.err.startswith(f"error: {said}")
     assert file.read_text("utf-8") == text
 
 
@@ -403,13 +403,13 @@ def test_a_baseline_formatted_by_another_program_is_one(
 def test_a_baseline_that_is_not_there_is_told(show: Path, call: Call) -> None:
     run = call("shots", "--baseline", "nonesuch.json")
     assert (run.code, run.out) == (2, "")
-    assert run.err == "Error: nonesuch.json: no such baseline; --update-baseline makes one\n"
+    assert run.err == "error: nonesuch.json: no such baseline; --update-baseline makes one\n"
     run = call("shots", "--baseline", "nonesuch/known.json", "--update-baseline")
     assert run.code == 2
     assert "nonesuch/known.json cannot be written" in run.err
     (show / "bad.json").write_bytes(b'[\n{"a": "\xff"}]')
     run = call("shots", "--baseline", "bad.json")
-    assert (run.code, run.err) == (2, "Error: bad.json:2: not a baseline: not UTF-8\n")
+    assert (run.code, run.err) == (2, "error: bad.json:2: not a baseline: not UTF-8\n")
 
 
 @pytest.mark.parametrize(

@@ -172,7 +172,7 @@ def test_without_a_usd_that_will_do(tmp_path: Path, jobs: str, package: str, tol
     (tmp_path / "a.usda").write_text(CLEAN)
     where = {"PYTHONPATH": os.pathsep.join([str(tmp_path), HERE])}
     run = end(start("-j", jobs, str(tmp_path / "a.usda"), environment=where))
-    assert (run.code, run.out, run.err) == (2, "", f"Error: usd-core {told}\n")
+    assert (run.code, run.out, run.err) == (2, "", f"error: usd-core {told}\n")
 
 
 def test_with_a_usd_that_is_too_old(tmp_path: Path) -> None:
@@ -185,7 +185,7 @@ Usd.GetVersion = lambda: (0, 25, 5)
 sys.exit(main(sys.argv[1:]))
 """
     run = python(code, str(tmp_path / "a.usda"))
-    said = "Error: usd-core cannot be loaded: it is 25.05, and 25.11 is the oldest that will do\n"
+    said = "error: usd-core cannot be loaded: it is 25.05, and 25.11 is the oldest that will do\n"
     assert (run.code, run.out, run.err) == (2, "", said)
 
 
@@ -398,7 +398,7 @@ def test_a_bug_of_the_program_does_not_end_in_the_code_of_findings(
     assert run.code == 2
     assert run.out == ""
     assert run.err.startswith("Traceback")
-    assert run.err.endswith("Error: this is a bug of usdrender-lint\n")
+    assert run.err.endswith("error: this is a bug of usdrender-lint\n")
 
 
 # Options
@@ -552,7 +552,7 @@ def test_a_shell_is_told_how_to_complete(
 
 def test_a_shell_that_is_unknown_gets_nothing(call: Main, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("_USDRENDER_LINT_COMPLETE", "sh_source")
-    assert call() == Run(2, "", "Error: _USDRENDER_LINT_COMPLETE=sh_source is unknown\n")
+    assert call() == Run(2, "", "error: _USDRENDER_LINT_COMPLETE=sh_source is unknown\n")
 
 
 @pytest.mark.parametrize(
@@ -768,7 +768,7 @@ def test_a_full_disk_is_told_in_a_sentence() -> None:
         for line, process in processes.items():
             run = end(process)
             assert (line, run.code) == (line, 2)
-            assert re.fullmatch(r"Error: .*no space left on device\n", run.err)
+            assert re.fullmatch(r"error: .*no space left on device\n", run.err)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a shell")
@@ -777,7 +777,7 @@ def test_a_closed_stream_changes_no_exit_code() -> None:
     deaf = start("clean.usda", through=(*shell, 'exec "$0" "$@" >&-'))
     mute = start("failed.usda", "missing.usda", through=(*shell, 'exec "$0" "$@" 2>&-'))
     lost = start("--selct", through=(*shell, 'exec "$0" "$@" 2>&-'))
-    assert end(deaf) == Run(2, "", "Error: standard output is closed\n")
+    assert end(deaf) == Run(2, "", "error: standard output is closed\n")
     run = end(mute)
     assert run.code == 2
     assert FAILED in run.out
@@ -889,7 +889,7 @@ def test_a_file_that_cannot_be_written_costs_no_other_report(
         *("failed.usda", "--exit-zero", "--output-file", "bad.json", "--output-file", "good.json")
     )
     assert run.code == 2
-    assert run.err == "Error: bad.json cannot be written: no space left on device\n"
+    assert run.err == "error: bad.json cannot be written: no space left on device\n"
     assert FAILED in run.out
     assert FAILED in (out / "good.json").read_text("utf-8")
 
@@ -907,7 +907,7 @@ def test_an_old_report_stays_whole_until_the_new_one_is(
         patched.setattr(Path, "replace", fails)
         run = call("failed.usda", "--output-file", "report.json")
     assert run.code == 2
-    assert run.err == "Error: report.json cannot be written: no space left on device\n"
+    assert run.err == "error: report.json cannot be written: no space left on device\n"
     assert old.read_text("utf-8") == "the old one"
     assert {p.name for p in out.iterdir()} == {"failed.usda", "report.json"}
 

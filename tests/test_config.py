@@ -628,7 +628,7 @@ def test_a_renderer_of_another_show_is_unknown(call: Call, write: Write) -> None
     assert call("--renderer", "our_renderer", "a/x.usda").code == 0
     run = call("--renderer", "our_renderer", "a/x.usda", "b/x.usda")
     assert run.code == 2
-    assert run.err == "Error: unknown renderer 'our_renderer'\n"
+    assert run.err == "error: unknown renderer 'our_renderer'\n"
 
 
 def test_what_a_file_of_a_renderer_may_say_is_what_is_read() -> None:

@@ -560,9 +560,9 @@ class TestConfigured:
 
     def test_what_roots_do_not_do_is_told_on_standard_error(self, show: Path, call: Call) -> None:
         write(show, {"old.usda": part(""), "usdrender-lint.toml": 'roots = ["shot/*.usda"]\n'})
-        assert call("old.usda")[2] == "Note: no file matches the root 'shot/*.usda'\n"
+        assert call("old.usda")[2] == "note: no file matches the root 'shot/*.usda'\n"
         write(show, {"usdrender-lint.toml": self.ROOTS})
-        note = "Note: no root uses old.usda, which is linted as a stage of its own\n"
+        note = "note: no root uses old.usda, which is linted as a stage of its own\n"
         assert call("old.usda") == (0, "No findings in 1 file.\n", note)
         assert call("-q", "old.usda") == (0, "", "")
 

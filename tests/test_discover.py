@@ -231,7 +231,7 @@ def test_what_is_excluded_counts_as_nothing(call: Call, write: Write) -> None:
     assert run.code == 0
     assert "No findings in 1 file" in run.out
     assert run.err == ""
-    assert "Note: b.usda is excluded\n" in call("a.usda", "b.usda", "--exclude", "b.usda", "-v").err
+    assert "note: b.usda is excluded\n" in call("a.usda", "b.usda", "--exclude", "b.usda", "-v").err
 
 
 @pytest.mark.parametrize("paths", [["cache/a.usda"], ["cache"], ["."]])
@@ -239,7 +239,7 @@ def test_that_all_are_excluded_is_told(paths: list[str], call: Call, write: Writ
     write("cache/a.usda", FAILED)
     run = call(*paths, "--exclude", "cache/")
     assert run.code == 0
-    assert run.err == "Note: no file was linted: all are excluded\n"
+    assert run.err == "note: no file was linted: all are excluded\n"
     assert run.out == "Nothing was linted.\n"
 
 
@@ -415,7 +415,7 @@ def test_an_empty_shard_is_told(call: Call, write: Write) -> None:
     assert sorted(run.code for run in runs) == [0, 0, 1]
     for number, run in enumerate(runs, 1):
         if run.code == 0:
-            assert run.err == f"Note: no file was linted: shard {number} of 3 has none\n"
+            assert run.err == f"note: no file was linted: shard {number} of 3 has none\n"
 
 
 def test_a_missing_file_is_missing_in_every_shard(call: Call) -> None:

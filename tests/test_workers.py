@@ -669,7 +669,7 @@ def test_no_progress_where_nobody_looks(args: tuple[str, ...]) -> None:
 def test_limits_that_make_no_sense_are_told(capsys: pytest.CaptureFixture[str]) -> None:
     for wrong in ("--timeout=-1", "--timeout=nan", "--timeout=inf", "--jobs=-1", "-jx"):
         assert main([str(CLEAN), wrong]) == 2
-        assert "Error: Invalid value" in capsys.readouterr().err
+        assert "error: Invalid value" in capsys.readouterr().err
 
 
 def test_no_timeout_is_no_limit() -> None:

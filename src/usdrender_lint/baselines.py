@@ -84,7 +84,7 @@ def tell_stale(known: Iterable[Held], report: Report) -> None:
     for one in known:
         if gone := one.stale(report):
             which = "1 finding that is" if gone == 1 else f"{gone} findings that are"
-            tell(f"Note: {one.file} holds {which} gone: see --update-baseline")
+            tell(f"note: {one.file} holds {which} gone: see --update-baseline")
 
 
 def update(
@@ -93,7 +93,7 @@ def update(
     """The new baselines, if they could be written. What was not looked at is neither new nor gone."""
     if not report.complete:
         for one in known:
-            tell(f"Error: {one.file} is not updated: the run is incomplete")
+            tell(f"error: {one.file} is not updated: the run is incomplete")
         return known, False
     updated = []
     for old in known:
@@ -101,11 +101,11 @@ def update(
         try:
             write_file(old.file, new.text(shown_from))
         except OutputError as error:
-            tell(f"Error: {error}")
+            tell(f"error: {error}")
             return known, False
         updated.append(new)
         if not quiet:
             added, gone = new.known.beyond(old.known), old.known.beyond(new.known)
             all_told = f"{added} added, {gone} taken out, {new.known.count} in all"
-            tell(f"Note: {old.file} is written: {all_told}")
+            tell(f"note: {old.file} is written: {all_told}")
     return updated, True

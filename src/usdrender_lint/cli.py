@@ -449,9 +449,9 @@ def _configurations(file: Path | None, isolated: bool) -> Configurations:
 def _tell_excluded(plans: Plan, style: Style) -> None:
     if style.verbose:
         for path in plans.excluded:
-            tell(f"Note: {path} is excluded")
+            tell(f"note: {path} is excluded")
     if (why := plans.why_nothing) and not style.quiet:
-        tell(f"Note: no file was linted: {why}")
+        tell(f"note: no file was linted: {why}")
 
 
 def _known(plans: Plan, update_baseline: bool) -> list[Held]:
@@ -479,14 +479,14 @@ def _tell_beside(report: Report, output_format: str, style: Style) -> None:
 
         say("".join(f"{line}\n" for line in full.details(report)))
     for note in report.notes if not style.quiet else ():
-        tell(f"Note: {note}")
+        tell(f"note: {note}")
 
 
 def _wrote(file: Path, text: str) -> bool:
     try:
         write_file(file, text)
     except OutputError as error:
-        tell(f"Error: {error}")
+        tell(f"error: {error}")
         return False
     return True
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from io import StringIO
 from pathlib import Path
 
 import click
@@ -25,7 +24,7 @@ _COMPLETE = "_USDRENDER_LINT_COMPLETE"
 def run(argv: Sequence[str]) -> int:
     """The whole program but for `sys.exit`. Whatever goes wrong ends in a sentence and a code."""
     if sys.stdout is None:
-        return _failed("Error: standard output is closed\n")
+        return _failed("error: standard output is closed\n")
     try:
         if asked := os.environ.get(_COMPLETE):
             return _complete(asked)
@@ -35,25 +34,32 @@ def run(argv: Sequence[str]) -> int:
     except click.exceptions.Exit as answered:
         return answered.exit_code
     except click.ClickException as error:
-        told = StringIO()
-        error.show(told)
-        return _failed(told.getvalue())
+        return _failed(_usage(error))
     except ConfigError as error:
         return _failed("\n".join(map(_wrong, error.wrongs)))
     except WantedError as error:
-        return _failed(f"Error: {escaped(str(error))}\n")
+        return _failed(f"error: {escaped(str(error))}\n")
     except BrokenPipeError:
         forget(sys.stdout)
         return PIPE_CLOSED
     except (OutputError, OSError) as error:
         forget(sys.stdout)
-        return _failed(f"Error: {_reason(error)}\n")
+        return _failed(f"error: {_reason(error)}\n")
     except Exception as error:  # noqa: BLE001 Python's own code for it is 1, and 1 means findings
         if isinstance(error, ImportError) and (error.name or "").partition(".")[0] == "pxr":
-            return _failed(f"Error: {_without_usd(error)}\n")
+            return _failed(f"error: {_without_usd(error)}\n")
         from traceback import format_exc
 
-        return _failed(f"{format_exc()}Error: this is a bug of usdrender-lint\n")
+        return _failed(f"{format_exc()}error: this is a bug of usdrender-lint\n")
+
+
+def _usage(error: click.ClickException) -> str:
+    """As click shows it, but that an error begins like every other one."""
+    told = f"error: {escaped(error.format_message())}\n"
+    context = error.ctx if isinstance(error, click.UsageError) else None
+    if context is None:
+        return told
+    return f"{context.get_usage()}\nTry '{context.command_path} --help' for help.\n\n{told}"
 
 
 def _without_usd(error: ImportError) -> str:
@@ -68,7 +74,7 @@ def _complete(instruction: str) -> int:
 
     # What is given back is 1 for a shell that click does not know, and 1 means findings here.
     unknown = shell_complete(command, {}, "usdrender-lint", _COMPLETE, instruction)
-    return _failed(f"Error: {_COMPLETE}={escaped(instruction)} is unknown\n") if unknown else CLEAN
+    return _failed(f"error: {_COMPLETE}={escaped(instruction)} is unknown\n") if unknown else CLEAN
 
 
 def _wrong(wrong: Wrong) -> str:
