@@ -92,7 +92,7 @@ LAYERS = (
     ("results", "likeness", "rules", "rules.*", "lpe", "lpe.*"),
     ("rule",),
     ("model", "printable", "handed"),
-    ("records", "lazily"),
+    ("records", "lazily", "whole"),
 )
 """From the top; a module imports from its own line and from those below."""
 

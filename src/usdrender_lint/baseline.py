@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 from .records import dataclass
 from .results import Located, Report, Verdict
+from .whole import read_whole
 
 VERSION = 1
 
@@ -127,7 +128,7 @@ def _moved(entry: Entry, start: str, to: str) -> Entry:
 def load(file: Path) -> Baseline:
     """`BaselineError` for a file that is missing or no baseline."""
     try:
-        data = file.read_bytes()
+        data = read_whole(file)
     except FileNotFoundError:
         raise BaselineError(f"{file}: no such baseline; --update-baseline makes one") from None
     except OSError as error:
@@ -143,9 +144,14 @@ def _read(file: Path, data: bytes) -> dict[Entry, int]:
     except UnicodeDecodeError as error:
         raise _wrong(file, data[: error.start].count(b"\n") + 1, "not UTF-8") from None
     except json.JSONDecodeError as error:
-        raise _wrong(file, error.lineno, f"not JSON: {error.msg.lower()}") from None
+        why = f"not JSON: {error.msg.lower()}"
+        if text.startswith("\ufeff"):
+            why = "begins with a UTF-8 byte order mark, which JSON does not allow"
+        raise _wrong(file, error.lineno, why) from None
     except RecursionError:
         raise _wrong(file, 1, "nested too deeply") from None
+    except ValueError:  # Python reads no number of more than some thousand digits
+        raise _wrong(file, 1, "a number in it is too long") from None
     if not isinstance(items, list) or not items:
         raise _wrong(file, 1, "not a list of findings")
     known: dict[Entry, int] = {}

@@ -10,6 +10,7 @@ import os
 from collections.abc import Sequence
 
 from .patterns import Patterns, lines_of
+from .whole import is_pipe, read_whole
 
 FILE = ".gitignore"
 
@@ -50,8 +51,10 @@ def leaves_out(ignored: Ignored, path: str, *, is_folder: bool) -> bool:
 
 def _added(ignored: Ignored, file: str, folder: str) -> Ignored:
     try:
-        with open(file, encoding="utf-8", errors="surrogateescape") as stream:
-            lines: Sequence[str] = lines_of(stream.read())
+        if is_pipe(file):
+            return ignored
+        text = read_whole(file).decode(errors="surrogateescape")
+        lines: Sequence[str] = lines_of(text)
     except OSError:
         return ignored  # git passes over what it cannot read, too
     return (Patterns(lines, folder), *ignored) if lines else ignored
@@ -68,3 +71,5 @@ def _git(folder: str) -> str:
             return os.path.join(git, stream.read().strip())
     except OSError:
         return git
+    except ValueError:  # it names a folder by what is no name: a NUL, or no UTF-8
+        return os.path.join(folder, ".git")

@@ -20,6 +20,7 @@ from .patterns import PatternError, Patterns, check
 from .registry import UnknownRuleError, all_rules, matching
 from .rule import Severity
 from .wanted import OFF
+from .whole import read_whole
 
 if TYPE_CHECKING:
     from click.shell_completion import CompletionItem
@@ -83,14 +84,14 @@ def outputs(
         if prefixed and prefix not in FORMATS:
             known = ", ".join(FORMATS[:-1]) + f" or {FORMATS[-1]}"
             raise click.BadParameter(f"{prefix!r} is not {known}", ctx, param)
-        file = Path(rest if prefixed else value)
-        if not str(rest if prefixed else value).strip() or file.is_dir():
+        named = rest if prefixed else value
+        file = Path(named)
+        if not named.strip() or _is_folder(named):
             raise click.BadParameter(f"{value!r} names no file", ctx, param)
-        if file.suffix.lower() in USD_SUFFIXES:
-            raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
+        _refuse_usd(ctx, param, value, file)
         if not file.parent.is_dir():  # told now, and not after an hour
             raise click.BadParameter(f"there is no folder {str(file.parent)!r}", ctx, param)
-        if file.is_file() or not file.exists():
+        if _is_no_pipe(file):
             if file.resolve() in taken:
                 raise click.BadParameter(f"{str(file)!r} is named twice", ctx, param)
             taken.add(file.resolve())
@@ -101,11 +102,36 @@ def outputs(
 def baseline_file(ctx: click.Context, param: click.Parameter, value: str | None) -> Path | None:
     if value is None:
         return None
-    if not value.strip() or Path(value).is_dir():
+    if not value.strip() or _is_folder(value):
         raise click.BadParameter(f"{value!r} names no file", ctx, param)
-    if Path(value).suffix.lower() in USD_SUFFIXES:
-        raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
+    _refuse_usd(ctx, param, value, Path(value))
     return Path(value)
+
+
+def _is_folder(name: str) -> bool:
+    """A name that ends with a separator is none of a file, whether the folder is there or not."""
+    if name.endswith(("/", os.sep)):
+        return True
+    try:
+        return Path(name).is_dir()
+    except OSError:  # too long a name, which is told where it is to be opened
+        return False
+
+
+def _is_no_pipe(file: Path) -> bool:
+    """Nor a device: what is written to those several times stands there several times."""
+    try:
+        return file.is_file() or not file.exists()
+    except OSError:  # too long a name, again
+        return False
+
+
+def _refuse_usd(ctx: click.Context, param: click.Parameter, value: str, file: Path) -> None:
+    """What is written replaces what was there: never a scene, nor one that a link leads to."""
+    if file.suffix.lower() in USD_SUFFIXES:
+        raise click.BadParameter(f"{value!r} is a USD file by its name", ctx, param)
+    if Path(os.path.realpath(file)).suffix.lower() in USD_SUFFIXES:
+        raise click.BadParameter(f"{value!r} is a link to a USD file", ctx, param)
 
 
 def patterns(
@@ -131,7 +157,7 @@ def shard(ctx: click.Context, param: click.Parameter, value: str | None) -> Shar
 def stdin_filename(ctx: click.Context, param: click.Parameter, value: str | None) -> str | None:
     if value is None:
         return None
-    if Path(value).suffix.lower() not in USD_SUFFIXES or Path(value).is_dir():
+    if Path(value).suffix.lower() not in USD_SUFFIXES or _is_folder(value):
         raise click.BadParameter(f"{value!r} is no USD file by its name", ctx, param)
     return absolute(value)
 
@@ -147,14 +173,18 @@ def from_stdin(ctx: click.Context, name: str | None) -> str:
 
 def names_from(value: str) -> list[str]:
     """One a line, or each ended by a NUL where there is one: `git diff -z` and `find -print0`."""
+    if not value.strip():
+        raise click.BadParameter(f"{value!r} names no file", param_hint="--files-from")
     try:
-        data = sys.stdin.buffer.read() if value == "-" else Path(value).read_bytes()
+        data = sys.stdin.buffer.read() if value == "-" else read_whole(value)
     except OSError as error:
         reason = (error.strerror or str(error)).lower()
         raise click.BadParameter(
             f"{value!r} cannot be read: {reason}", param_hint="--files-from"
         ) from None
-    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # `>` of PowerShell
+    if data.startswith((codecs.BOM_UTF32_LE, codecs.BOM_UTF32_BE)):  # it begins as UTF-16 does
+        text = data.decode("utf-32", "replace")
+    elif data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):  # `>` of PowerShell
         text = data.decode("utf-16", "replace")
     else:
         text = os.fsdecode(data.removeprefix(codecs.BOM_UTF8))

@@ -92,6 +92,8 @@ def lines_of(text: str) -> list[str]:
 
 
 _Matches = Callable[[str], re.Match[str] | None]
+_LONGEST = 1 << 13
+"""Characters of a pattern; to compile one of a million takes minutes."""
 _TRAILING = lazily(r"(?<!\\) +$")
 
 
@@ -119,6 +121,8 @@ def _translated(pattern: str) -> str:
     pattern = pattern.removeprefix("/")
     if not pattern:
         raise ValueError("an empty pattern matches nothing")
+    if len(pattern) > _LONGEST:
+        raise ValueError("it is longer than any path")
     end = "/" if only_folders else "/?"
     if not anchored:
         return f"(?:.*/)?{_segment(pattern)}{end}"

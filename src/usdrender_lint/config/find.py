@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from . import NAME, SHARED, TABLE, Configuration
+from ..whole import is_pipe, read_whole
+from . import NAME, SHARED, TABLE, ConfigError, Configuration, Wrong
 
 NOTHING = Configuration()
 
@@ -107,6 +108,8 @@ def configuration_in(folder: str) -> Configuration | None:
     """Of a folder itself. A file of its own stands above what a project's file says."""
     for name in (NAME, SHARED):
         file = os.path.join(folder, name)
+        if is_pipe(file):
+            raise ConfigError([Wrong(Path(file), "a named pipe, not a file")])
         if os.path.lexists(file) and (name == NAME or _speaks(Path(file))):
             from .read import configuration
 
@@ -117,7 +120,7 @@ def configuration_in(folder: str) -> Configuration | None:
 def _speaks(file: Path) -> bool:
     """Most projects say nothing to this program: what their file says is not worth a parser."""
     try:
-        if TABLE[1].encode() not in file.read_bytes():
+        if TABLE[1].encode() not in read_whole(file):
             return False
     except OSError:
         pass  # it is told when the file is loaded

@@ -7,11 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from .. import __version__
+from ..whole import is_pipe
 from . import SHARED, TABLE, ConfigError, Configuration, Source, Wrong
 from .keys import FILE_OF_KEYS
 from .kinds import faults
 from .toml import load
 from .wrong import located, wrong_value
+
+_LONGEST = 64
+"""Files of one chain: each is looked for among all before it."""
 
 
 def configuration(file: Path, home: str) -> Configuration:
@@ -42,6 +46,11 @@ def _follow(file: Path, home: str, sources: list[Source]) -> Path | None:
         return None
     wanted = Path(os.path.normpath(source.file.parent / source.table["extend"]))
     chain = [one.file for one in sources]
+    if is_pipe(wanted):
+        said = f"{source.table['extend']}: a named pipe, not a file"
+        raise wrong_value(source, ("extend",), said)
+    if len(chain) >= _LONGEST:
+        raise wrong_value(source, ("extend",), f"more than {_LONGEST} files extend each other")
     if any(_same(wanted, one) for one in chain):
         names = " -> ".join(str(one) for one in (*chain, wanted))
         raise wrong_value(source, ("extend",), f"extends itself: {names}")

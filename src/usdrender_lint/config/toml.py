@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..lazily import lazily
+from ..whole import read_whole
 from . import ConfigError, Wrong
 from .places import Stretch
 from .wrong import wrong_at
@@ -24,11 +25,13 @@ def load(file: Path) -> tuple[str, dict[str, Any]]:
         raise _not_toml(file, text, str(error)) from None
     except RecursionError:
         raise ConfigError([Wrong(file, "nested too deeply")]) from None
+    except ValueError:  # Python reads no number of more than some thousand digits
+        raise ConfigError([Wrong(file, "a number in it is too long")]) from None
 
 
 def read_text(file: Path) -> str:
     try:
-        data = file.read_bytes()
+        data = read_whole(file)
     except FileNotFoundError:
         raise ConfigError([Wrong(file, "no such file")]) from None
     except OSError as error:
