@@ -57,11 +57,15 @@ def way_to(stage: Usd.Stage, site: Site, spot: Spot) -> tuple[Step, ...]:
 
 
 def _sublayers(tree: Pcp.LayerTree, layer: Sdf.Layer) -> tuple[Step, ...]:
-    for child in tree.childTrees:
-        if child.layer == layer:
-            return (("sublayer", layer),)
-        if below := _sublayers(child, layer):
-            return (("sublayer", child.layer), *below)
+    """Each is asked before what is below it; there may be a thousand, each in the one before."""
+    waiting: list[tuple[Pcp.LayerTree, int]] = [(tree, 0)]
+    way: list[Sdf.Layer] = []
+    while waiting:
+        one, depth = waiting.pop()
+        way[depth:] = [one.layer]
+        if depth and one.layer == layer:
+            return tuple(("sublayer", above) for above in way[1:])
+        waiting += [(child, depth + 1) for child in reversed(one.childTrees)]
     return ()
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections import deque
 from collections.abc import Iterable, Iterator
+from itertools import takewhile
 
 from pxr import Pcp, Sdf, Usd
 
@@ -256,8 +257,11 @@ class Targets:
                 above = above.GetParent()
             if above != prim:
                 return _Found(State.INACTIVE, type_name, found.isa, True, str(above.GetPath()))
-        if path.IsPropertyPath() and not self._stage.GetPropertyAtPath(path).IsDefined():
-            return _Found(State.MISSING)
+        if path.IsPropertyPath():
+            # For a path within a property, as of a connection, USD has no object at all.
+            found_property = self._stage.GetPropertyAtPath(path)
+            if not found_property or not found_property.IsDefined():
+                return _Found(State.MISSING)
         return found
 
     def _look_nowhere(self, path: Sdf.Path) -> _Found:
@@ -278,9 +282,10 @@ class Targets:
     def _variant_with(self, path: Sdf.Path) -> str:
         """The variant that would bring a prim which is not there."""
         wanted = path.GetPrimPath()
-        for above in reversed(wanted.GetPrefixes()[:-1]):
-            prim = self._stage.GetPrimAtPath(above)
-            for spec in prim.GetPrimStack() if prim else ():
+        populated = [prim for prim in self._down_to(wanted) if prim.GetPath() != wanted]
+        for prim in reversed(populated):
+            above = prim.GetPath()
+            for spec in prim.GetPrimStack():
                 for name in spec.variantSets.keys():  # noqa: SIM118 no dictionary of Python's
                     selected = prim.GetVariantSet(name).GetVariantSelection()
                     for variant in spec.variantSets[name].variants.keys():  # noqa: SIM118 neither
@@ -292,10 +297,14 @@ class Targets:
 
     def _nearest(self, path: Sdf.Path) -> Usd.Prim:
         """The prim at the path, else the closest one above it that is on the stage."""
-        for prefix in reversed(path.GetPrefixes()):
-            if prim := self._stage.GetPrimAtPath(prefix):
-                return prim
-        return self._stage.GetPseudoRoot()
+        *_, nearest = self._stage.GetPseudoRoot(), *self._down_to(path)
+        return nearest
+
+    def _down_to(self, path: Sdf.Path) -> Iterator[Usd.Prim]:
+        """The prims on the way to a path that are on the stage, from the top: what stands below one
+        that is not there is not asked for, however long the path is."""
+        prims = map(self._stage.GetPrimAtPath, path.GetPrefixes())
+        return takewhile(bool, prims)
 
     def _survey(self) -> None:
         """Before anything is read: what stands where broken targets may have been meant."""
@@ -417,6 +426,7 @@ class _Census:
                 found.setdefault(one.path, one)
         for _, alike in most_alike(name, self._named, _BEST):
             found.update({c.path: c for c in self._named[alike][:_BEST] if c.path not in found})
+        found.pop(str(path), None)  # a layer has it, and another relocates it
         return list(found.values())
 
 
