@@ -66,6 +66,7 @@ LAYERS = (
         "diagnostics",
         "opening",
         "refusal",
+        "heads",
         "unopened",
         "sublayers",
         "stage",

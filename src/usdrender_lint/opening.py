@@ -7,33 +7,25 @@ import stat
 
 from pxr import Sdf, Tf
 
-from . import crate, packages
+from . import packages
 from .diagnostics import sentences
 from .discover import USD_SUFFIXES
 from .handed import bytes_at
-from .lazily import lazily
-from .unopened import EMPTY, ParseProblem, Unreadable
+from .heads import LFS, POINTER, why_no_layer
+from .unopened import ParseProblem, Unreadable
 
 FOLDER = "a folder"
 
-_LFS = b"version https://git-lfs.github.com/spec/v1"
-_HEADER = lazily(rb"#(?:usda|sdf)\b")
-_UTF16 = "UTF-16 text, which USD refuses: save it as UTF-8 without BOM"
-_NO_LAYER = {
-    b"\xef\xbb\xbf": "begins with a UTF-8 byte order mark, which USD refuses: save it as UTF-8 without BOM",
-    b"\xff\xfe": _UTF16,
-    b"\xfe\xff": _UTF16,
-    b"#\0": _UTF16,  # the first letter of a header, where there is no mark
-    b"\0#": _UTF16,
-    b"PK\x05\x06": "a zip package without a file in it",
-}
-"""What is told of a file by its first bytes."""
+ARGUMENTS = ":SDF_FORMAT_ARGS:"
+"""What parts the name of a file from what its format is to be told."""
 
 
 def look(file: str) -> Unreadable | None:
     """What the first bytes tell before USD is asked; its own messages differ by extension."""
     if not file.isascii() and file.encode(errors="replace").decode() != file:
         return Unreadable(file, "unreadable-file", "its name is not UTF-8, which USD needs")
+    if what := _wrong_name(file):
+        return Unreadable(file, "unreadable-file", what)
     at = bytes_at(file)
     try:
         if what := no_file(os.stat(at).st_mode):
@@ -42,18 +34,21 @@ def look(file: str) -> Unreadable | None:
             head = stream.read(1024)
     except OSError as error:
         return _cannot_be_read(file, error)
-    if head.startswith(_LFS):
-        told = "a Git LFS pointer, not the file itself: run `git lfs pull`"
-        return Unreadable(file, "lfs-pointer", told)
-    if not head:
-        wrong: str | None = EMPTY
-    elif at != file and head.startswith(packages.MAGIC):
+    if head.startswith(LFS):
+        return Unreadable(file, "lfs-pointer", POINTER)
+    wrong = why_no_layer(file, head)
+    if wrong is None and at != file and head.startswith(packages.MAGIC):
         wrong = "a package cannot be linted from standard input"
-    elif head.startswith((*_NO_LAYER,)):
-        wrong = next(told for first, told in _NO_LAYER.items() if head.startswith(first))
-    else:
-        wrong = _wrong_format(file, head)
     return Unreadable(file, "unreadable-file", wrong) if wrong else None
+
+
+def _wrong_name(file: str) -> str | None:
+    name = os.path.basename(file)
+    if name.lower() in USD_SUFFIXES:
+        return "its name is an ending alone, by which USD knows no format: give it a name"
+    if ARGUMENTS in name:
+        return f"its name holds '{ARGUMENTS}', behind which USD reads no name: rename it"
+    return None
 
 
 def _cannot_be_read(file: str, error: OSError) -> Unreadable:
@@ -68,31 +63,6 @@ def no_file(mode: int) -> str | None:
         return None
     kinds = {stat.S_IFDIR: FOLDER, stat.S_IFIFO: "a named pipe", stat.S_IFSOCK: "a socket"}
     return kinds.get(stat.S_IFMT(mode), "a device")
-
-
-def _wrong_format(file: str, head: bytes) -> str | None:
-    suffix = os.path.splitext(file)[1].lower()
-    is_crate, is_package = head.startswith(crate.MAGIC), head.startswith(packages.MAGIC)
-    expected = {
-        ".usd": not is_package,
-        ".usda": not (is_crate or is_package),
-        ".usdc": is_crate,
-        ".usdz": is_package,
-    }
-    if not expected.get(suffix, True):
-        found = (
-            "a binary crate"
-            if is_crate
-            else "a zip package"
-            if is_package
-            else "usda text"
-            if _HEADER.match(head)
-            else "something else"
-        )
-        return f"named {suffix}, but holds {found}: USD opens it by its name"
-    if not (is_crate or is_package) and b"\0" in head:
-        return "binary data that is not USD"
-    return None
 
 
 def open_layer(file: str) -> Sdf.Layer | Unreadable | ParseProblem:
@@ -132,7 +102,7 @@ def open_member(name: str) -> Sdf.Layer | Unreadable | ParseProblem:
 def _missing_in(file: str) -> str:
     """Why USD finds nothing, and has no words for it."""
     if not file.lower().endswith(".usdz"):
-        return "USD finds nothing of USD in it"
+        return "holds neither usda text, which begins with '#usda 1.0', nor a binary crate"
     if first := packages.first_member(file, None):
         said = f"its first file is '{first}', and USD opens no other: put the root layer first"
         return (

@@ -9,9 +9,11 @@ import re
 from pathlib import Path
 
 from . import crate, packages
+from .discover import USD_SUFFIXES
 from .handed import bytes_at
 from .lazily import lazily
-from .unopened import EMPTY, ParseProblem, Unreadable
+from .heads import EMPTY
+from .unopened import ParseProblem, Unreadable
 from .usda.lines import Lines
 from .usda.unread import closing, samples, statement, string
 
@@ -19,6 +21,13 @@ _AT = lazily(r":(\d+):(\d+): (.*)", re.S)
 _NEAR = lazily(r"(.*) at '(.*?)' in <(.*)>", re.S)
 _OF_PROPERTY = lazily(r"(.*?) at '.*' in <(/.*\..*)>", re.S)
 _COMPONENTS = lazily(r"Tuple dimensions error for attribute of type ([\w\[\]]+)")
+_MISFIT = lazily(r"Error parsing (?:tuple|shaped) value: Failed to parse(?: at element (\d+))?")
+_VARIABILITY = lazily(r"[Aa]ttribute ('.*') already has variability")
+_VERSION = lazily(r"layer version|layer header", re.I)
+_KNOWN_VERSION = lazily(
+    r"version '([\d.]+)'\. The (minimum|maximum) supported version is '([\d.]+)'"
+)
+_CONTROL_IN_ASSET = lazily(rb"@[^@\r\n]*?([\x00-\x08\x0b\x0c\x0e-\x1f\x7f])")
 _QUOTING = lazily(r" due to ':\d+:\d+: .*?'")
 _PACKED = lazily(r"Cannot open (.+) in .+: (\w+) files are not supported", re.DOTALL)
 _RULES = {
@@ -30,9 +39,14 @@ _RULES = {
     "Type name has [] for non-shaped value": "the type is an array, and the value has no brackets",
     "Duplicate items exist for field 'targetPaths'": "a target stands twice in the list",
     " for dictionary": "an entry of a dictionary is written as type name = value",
+    "Type name missing [] for shaped value": "the value is a list, and its type has no brackets",
+    "nsupported spline value type": "a spline holds single numbers, and none of this type",
+    "asset path must not be empty": "an asset path is empty: for a prim of this layer leave the @@ out",
 }
 """What to say for a sentence of USD that holds this."""
 _LIST_OF_ASSETS = lazily(rb"\b(?:subLayers|references|payload)\s*=\s*\[[^\[\]]*\Z")
+_NO_HEADER = "the first line is not '#usda 1.0'"
+_SUFFIXES = tuple(suffix.encode() for suffix in USD_SUFFIXES)
 _CONFLICT = ("<<<<<<<", "=======", ">>>>>>>")
 _QUOTED = lazily(r"\"[^\"]*\"|'[^']*'")
 _STRANGE = {
@@ -40,6 +54,7 @@ _STRANGE = {
     "\u201d": "a curly quote",
     "\u00a0": "a no-break space",
     "\ufeff": "a byte order mark",
+    "\u200b": "a zero-width space",
 }
 """What editors and chats put into text, and nobody sees."""
 _EXPRESSION = lazily(r"Ill-formed path expression|<input>:1:\d+: parse error")
@@ -74,12 +89,25 @@ def _wrong_text(file: str, data: bytes, said: list[str]) -> ParseProblem:
         if _EXPRESSION.search(text):  # mostly it is found in the text, and told with its place
             told = "a path expression in it is ill-formed, and USD does not say which"
             return ParseProblem(file, told, 1, 1)
+        if "control character" in text and (control := _CONTROL_IN_ASSET.search(data)):
+            told = "an asset path holds a control character"
+            return ParseProblem(file, told, *_place(data, control.start(1)))
         if match := _OF_PROPERTY.fullmatch(text.strip()):
             return ParseProblem(file, _sentence(match[1], ""), spec=match[2])
     if not data.startswith(b"#usda"):
-        return ParseProblem(file, "the first line is not '#usda 1.0'", 1, 1)
+        return ParseProblem(file, _no_header(data), 1, 1)
     told = "USD cannot read this, and does not say where it stops"
     return _not_utf8(file, data) or ParseProblem(file, told, 1, 1)
+
+
+def _no_header(data: bytes) -> str:
+    conflict = next((one for one in _CONFLICT if data.startswith(one.encode())), None)
+    if conflict:
+        return _sentence("", conflict)
+    only = data.strip().lower()
+    if only.endswith(_SUFFIXES) and len(only.split()) == 1:
+        return "it holds the path of another file: a symbolic link that was checked out as text"
+    return _NO_HEADER
 
 
 def _not_parsed(file: str, said: list[str]) -> ParseProblem | None:
@@ -126,6 +154,8 @@ def _wrong_at(data: bytes, at: int, expected: str, found: str) -> tuple[str, int
     expected = expected.strip()
     if found.startswith(_CONFLICT):
         return None
+    if _VERSION.search(expected):
+        return _header(data, expected), 0
     if "until<" in expected:
         what = "an asset path" if "::At," in expected else "a string"
         return f"{what} is not closed", string(data, at)
@@ -141,6 +171,16 @@ def _wrong_at(data: bytes, at: int, expected: str, found: str) -> tuple[str, int
         words = found.split()  # none of a form feed
         return f"{told}, found '{words[0][:40]}'" if words else told, at
     return None
+
+
+def _header(data: bytes, said: str) -> str:
+    """What is wrong with the first line."""
+    if match := _KNOWN_VERSION.search(said):
+        bound = "older" if match[2] == "minimum" else "later"
+        return f"it is written for usda {match[1]}, and USD reads none {bound} than {match[3]}"
+    if b"\r" in data[:80] and b"\n" not in data:
+        return "its lines end in carriage returns alone, which USD does not know: save it with line feeds"
+    return _NO_HEADER
 
 
 def _more_exact(said: list[str]) -> str | None:
@@ -164,6 +204,11 @@ def _sentence(expected: str, near: str) -> str:
         expected = "this is no usda"
     if "simple value" in expected:
         expected = "expected a value of another type"
+    if match := _MISFIT.match(expected):
+        which = f"element {int(match[1]) + 1} of the value" if match[1] else "a number in the value"
+        expected = f"{which} does not fit its type"
+    if match := _VARIABILITY.match(expected):
+        expected = f"the attribute {match[1]} is declared twice, once as uniform and once not"
     if match := _COMPONENTS.search(expected):
         expected = f"the value has not as many components as its type, {match[1]}"
     if "target paths cannot contain variant selections" in expected:

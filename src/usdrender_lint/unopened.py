@@ -5,8 +5,6 @@ from __future__ import annotations
 from .model import Site
 from .records import dataclass
 
-EMPTY = "the file is empty"
-
 
 @dataclass(frozen=True, slots=True)
 class ParseProblem:

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import cached_property
 
-from pxr import Pcp, Sdf, Usd
+from pxr import Pcp, Sdf, Tf, Usd
 
 from ..discover import USD_SUFFIXES
 from ..lazily import lazily
 from ..model import ArcError, Site
-from ..opening import open_layer, open_member
+from ..opening import ARGUMENTS, open_layer, open_member
+from ..packages import split_package
 from ..records import dataclass
 from ..stage import Opened
 from ..unopened import ParseProblem, Unreadable
@@ -32,6 +34,7 @@ _FOUND_ON_SPECS = {
 }
 _EXPRESSION = "ErrorVariableExpressionError"
 _SPEC = lazily(r" at (/\S*) in @(.*?)@: ")
+_RELOCATION = lazily(r"[Rr]elocation from <(.*?)>.*? authored at @(.*?)@<(.*?)>")
 _OF_SUBLAYERS = {"ErrorInvalidSublayerPath", _EXPRESSION}
 
 
@@ -88,6 +91,9 @@ class Failures:
             name = type(error).__name__
             if name not in _FOUND_ON_SPECS and not (name == _EXPRESSION and placed):
                 path = str(error.rootSite.path) or "/"
+                if relocation := _relocation(error):
+                    self._found.append(relocation)
+                    continue
                 kind = _SAID.get(name, name)
                 *further, site = self._cycle(kind, path) or (Site(path),)
                 self._found.append(Failure(path, kind, "", "", "", site, None, tuple(further)))
@@ -267,7 +273,10 @@ class Failures:
         )
         value = result.value if isinstance(result.value, str) else ""
         unset = tuple(name for name in used if name not in holders)
-        return _Evaluated(value, "; ".join(map(str, result.errors)), sites, unset)
+        problem = "; ".join(map(str, result.errors))
+        if not (value or problem or result.value in ("", None)):
+            problem = "it comes to something else than a string"
+        return _Evaluated(value, problem, sites, unset)
 
     def _sublayers(self) -> Iterator[Failure]:
         used = sorted(self._opened.stage.GetUsedLayers(), key=lambda layer: layer.identifier)
@@ -305,9 +314,16 @@ class Failures:
         if identifier in self._opened_files:
             known = self._opened_files[identifier]
             return "" if known else "unopened-asset", known
-        resolved = self._opened.stage.ResolveIdentifierToEditTarget(identifier)
+        plain, _, arguments = identifier.partition(ARGUMENTS)
+        resolved = self._opened.stage.ResolveIdentifierToEditTarget(plain)
+        # With arguments USD takes every name for that of a file. pathlib raises for long names.
+        if arguments and not os.path.exists(split_package(resolved)[0]):  # noqa: PTH110
+            resolved = ""
         if not resolved:
-            return "foreign-resolver" if _SCHEME.match(asset) else "missing-asset", None
+            foreign = _SCHEME.match(asset.partition(ARGUMENTS)[0])
+            return "foreign-resolver" if foreign else "missing-asset", None
+        if os.path.isdir(resolved):  # noqa: PTH112
+            return "folder", None
         member = resolved.endswith("]")
         if not member and not resolved.lower().endswith(USD_SUFFIXES):
             # A plug-in's format, such as Alembic: what it holds is not known without the plug-in.
@@ -323,9 +339,34 @@ class Failures:
             case ParseProblem() as problem:
                 self._opened.unparsed.append(replace(problem, asked=asked))
             case opened:
-                found = opened
+                found = _with_arguments(identifier) if arguments else opened
+                if found is None:
+                    told = "USD cannot open it with the arguments behind its name"
+                    self._opened.unreadable.append(
+                        Unreadable(resolved, "unreadable-file", told, layer.identifier)
+                    )
         self._opened_files[identifier] = found
         return "" if found else "unopened-asset", found
+
+
+def _with_arguments(identifier: str) -> Sdf.Layer | None:
+    try:
+        return Sdf.Layer.FindOrOpen(identifier)
+    except Tf.ErrorException:
+        return None
+
+
+def _relocation(error: Pcp.ErrorBase) -> Failure | None:
+    """One that USD passes over. Python's error tells neither what it was nor where."""
+    said = str(error)
+    match = _RELOCATION.search(said)
+    if match is None:
+        return None
+    source, file, path = match.groups()
+    found, layer = said.rpartition(": ")[2].rstrip("."), Sdf.Layer.Find(file)
+    why = "other prims are relocated to the same path" if "multiple" in said else found
+    site = Site(path, "relocates", layer=layer.identifier if layer else file)
+    return Failure(path, "relocation", "", "", source, site, _Evaluated("", why, (), ()))
 
 
 def _prefixes(path: str) -> Iterator[str]:

@@ -92,6 +92,11 @@ def _what_failed(error: ArcError) -> str:
             return f"the {error.arc} @{error.asset}@{into} needs a resolver that is not here: it was not looked at"
         case "missing-asset":
             return f"the {error.arc} @{error.asset}@{into} leads to no file"
+        case "folder":
+            return f"the {error.arc} @{error.asset}@{into} leads to a folder"
+        case "relocation":
+            why = error.said[:1].lower() + error.said[1:]
+            return f"the relocation of <{error.prim}> is ignored: {why}"
         case "bad-expression":
             problem = error.said[:1].lower() + error.said[1:]
             is_asset = error.arc != "variant selection"
@@ -126,6 +131,10 @@ def _what_to_do(error: ArcError) -> str:
             return f"write {joined(error.unset)} in the expressionVariables of the root layer"
         case "missing-asset":
             return "correct the path, or bring the file; what it holds is missing from the render"
+        case "folder":
+            return "name the file in it that is meant; what it holds is missing from the render"
+        case "relocation":
+            return "correct the entry, or take it away: the prim stays where it is"
         case "missing-prim":
             return "correct the prim's path, or leave it out to take the layer's defaultPrim"
         case "no-default-prim":

@@ -49,6 +49,8 @@ _BLANKS = lazily(rb"(?:\s|;|#[^\r\n]*|//[^\r\n]*|/\*.*?\*/)*+", re.S)
 
 def statement(data: bytes, at: int) -> Wrong:
     """Why a statement is none. It begins at a byte, where USD expects the end of what is around it."""
+    if data[at : at + 1] in (b"\v", b"\f", b"\x1a"):
+        return f"'\\x{data[at]:02x}' stands here, a control character that is no blank to USD", at
     tokens = list(_TOKEN.finditer(data, at, _line_end(data, at)))
     if not tokens:
         opened = _left_open(data, at, b"}")
@@ -221,6 +223,8 @@ def _property(data: bytes, tokens: list[re.Match[bytes]]) -> Wrong | None:
     kind, *rest = rest
     if not _is_word(kind):
         return None
+    if kind[0] == b"dictionary":
+        return "no attribute is a dictionary: it stands in metadata, in parentheses", kind.start()
     array = rest[:1] and rest[0][0][:1] == b"["
     rest = rest[bool(array) :]
     if not rest or rest[0][0] == b"}":
@@ -252,6 +256,9 @@ def _named(
         return said, name.start()
     if name[0].endswith(b":") or b"::" in name[0]:
         return f"'{_text(name)}' is no name of a property", name.start()
+    if not _text(name).replace(":", "_").isidentifier():
+        said = f"'{_text(name)}' is no name of a property: it is made of letters, digits and _"
+        return said, name.start()
     if rest and rest[0].start() == name.end() and rest[0][0] not in (b".", b"=", b"(", b";", b"#"):
         return f"'{_text(rest[0])}' cannot stand in the name of a property", rest[0].start()
     if rest and rest[0][0] == b".":
