@@ -182,6 +182,8 @@ def not_used(plan: Plan, layers: Sequence[Iterable[str]], shown: Shown) -> Itera
         return
     for target, files in zip(plan.targets, layers, strict=True):
         if real[target.file] in plan.roots:
+            if not files:  # nobody knows what a root uses that cannot be read
+                return
             left.difference_update(real[str(shown.root / file)] for file in files)
     alone = [t.shown for t in plan.given if real[t.file] in left]
     if alone:
