@@ -11,8 +11,8 @@ from pathlib import Path
 from . import crate, packages
 from .discover import USD_SUFFIXES
 from .handed import bytes_at
-from .lazily import lazily
 from .heads import EMPTY
+from .lazily import lazily
 from .unopened import ParseProblem, Unreadable
 from .usda.lines import Lines
 from .usda.unread import closing, samples, statement, string
