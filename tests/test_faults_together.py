@@ -117,6 +117,41 @@ def test_a_product_of_another_name_is_not_taken_for_the_missing_one() -> None:
     assert told(settings, product) == ["unresolved-target"]
 
 
+MISSING_LAYER = "(\n    subLayers = [@./nowhere.usda@]\n"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        (
+            "rel camera = </shot/cameras/cam1>",
+            "rel camera = </shot/cameras/cam>",
+            "unresolved-target",
+        ),
+        ("</Render/Beauty>", "</Render/Beaty>", "unresolved-target"),
+        ("</Render/Color>", "</Render/Colour>", "unresolved-target"),
+        ('"/Render/S"', '"/Render/s"', "default-settings-unresolved"),
+    ],
+)
+def test_what_is_probably_misspelt_is_noted_where_a_layer_is_missing(
+    old: str, new: str, rule: str
+) -> None:
+    """The layer may bring it: so that is no error. But it does not hide what anybody can see."""
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace("(\n", MISSING_LAYER, 1)
+    _, before = lint_files({"main.usda": main})
+    assert [m.rule for m in before if m.severity != "note"] == ["composition-error"]
+    _, after = lint_files({"main.usda": main.replace(old, new)})
+    assert {(m.rule, m.severity) for m in after} - {(m.rule, m.severity) for m in before} == {
+        (rule, "note")
+    }
+
+
+def test_what_is_like_nothing_here_is_in_the_missing_layer() -> None:
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace("(\n", MISSING_LAYER, 1)
+    _, marks = lint_files({"main.usda": main.replace("/shot/cameras/cam1>", "/cameras/main>")})
+    assert "unresolved-target" not in {m.rule for m in marks}
+
+
 # -- one fault, once
 
 
@@ -229,6 +264,7 @@ def test_a_camera_of_a_renderers_own_type(name: str) -> None:
         ("float", "Ci", ["data-type-mismatch"]),
         ("int", "RGBA", ["data-type-mismatch"]),
         ("half3", "Ci", []),
+        ("float", "N", ["data-type-mismatch"]),
         ("float", "crypto_asset", []),
         ("float", "  ", ["empty-source-name"]),
     ],

@@ -81,7 +81,6 @@ class _Reader:
         self._stage: Usd.Stage = opened.stage
         self._failures = failures
         self._targets = targets
-        self._texts = texts
         self._products: dict[str, Product] = {}
         self._vars: dict[str, Var] = {}
         self._prims = targets.prims

@@ -138,6 +138,11 @@ class Failures:
         failure = self._found[min(found)]
         return failure.asset or f"<{failure.missing_prim}>"
 
+    def only_a_layer_hides(self, path: str) -> bool:
+        """A missing sublayer may bring anything; an arc, what stands below its prim."""
+        above = _prefixes(path.partition(".")[0])
+        return "/" in self._hidden_by and self._hidden_by.keys().isdisjoint({*above} - {"/"})
+
     @cached_property
     def _hidden_by(self) -> dict[str, int]:
         """The first failure that has to do with an arc, by the prim that misses something."""

@@ -330,7 +330,9 @@ class Targets:
     def _is_broken(self, path: Sdf.Path, expected: str) -> bool:
         found = self._look(path)
         if found.state is State.UNKNOWN:
-            return False
+            # A layer that is missing may bring it; but perhaps it is only misspelt.
+            there = self._stage.GetPrimAtPath(path.GetPrimPath())
+            return not there and self._failures.only_a_layer_hides(str(path))
         return found.state is State.MISSING or expected not in found.isa
 
     def _widen_to_meant(self, broken: list[tuple[Sdf.Path, Sdf.Path, str]]) -> None:

@@ -66,6 +66,22 @@ def is_near(target: Target, other: Candidate) -> bool:
     return likeness(name, other.name) >= SIMILAR or other.path.startswith(target.path + "/")
 
 
+def probably_meant(target: Target) -> Candidate | None:
+    """By a target that may yet be elsewhere: only a prim beside it, of nearly the same name."""
+    beside = target.path.rpartition("/")[0]
+    for other in target.candidates[:1]:
+        if other.path.rpartition("/")[0] == beside and is_near(target, other):
+            return other
+    return None
+
+
+def meant_instead(target: Target, other: Candidate) -> str:
+    """Of a target that what did not open may bring."""
+    hiding = target.because or ""
+    asset = hiding if hiding.startswith("<") else f"@{hiding}@"
+    return f"did you mean <{other.path}>? {asset} did not open, and may also bring it"
+
+
 def did_you_mean(target: Target, kind: str, plural: str) -> str:
     """What a broken target may have meant, or which prims there are to choose from."""
     found = target.candidates

@@ -213,7 +213,7 @@ def invalid_camera_lens(camera: Camera, context: Context) -> Iterator[Finding]:
                     _at(attr, time),
                     f"{attr.name} of <{camera.path}> is {value:g}{_when(time)}: the camera has no field of view",
                     label="not above 0",
-                    help="write it in tenths of a scene unit: millimeters, where that is a centimeter",
+                    help="write a length above 0, in tenths of a scene unit: millimeters, where that is a centimeter",
                 )
                 break
 

@@ -97,8 +97,12 @@ _SCALARS = frozenset(
 )
 """Sources that hold one number, whatever the renderer."""
 
-_COLORS = frozenset({"Ci", "RGBA", "color", "LdrColor", "HdrColor"})
-"""Sources that hold a color."""
+_SEVERAL = {
+    **dict.fromkeys(("Ci", "RGBA", "color", "LdrColor", "HdrColor"), ("a color", "color3f")),
+    **dict.fromkeys(("N", "normal", "Neye", "__Nworld"), ("a vector", "normal3f")),
+    **dict.fromkeys(("P", "__Pworld"), ("a point", "point3f")),
+}
+"""Sources that hold more than one number: what they are, and the type for it."""
 
 _FORMATS = ("arnold:format", "driver:parameters:aov:format")
 """Attributes that some renderers read instead of `dataType`, strongest first."""
@@ -153,15 +157,16 @@ def _mismatch(var: Var, held: Pixel) -> Finding | None:
         )
     if (
         var.source_type.value == "raw"
-        and name in _COLORS
+        and name in _SEVERAL
         and max(held.components, written.components) == 1
     ):
+        what, exact = _SEVERAL[name]
         return Finding(
             kind,
-            f"{said} holds one number, but '{name}' is a color",
+            f"{said} holds one number, but '{name}' is {what}",
             label="one number",
-            help='write uniform token dataType = "color3f"',
-            related=((var.source_name, "is a color"),),
+            help=f'write uniform token dataType = "{exact}"',
+            related=((var.source_name, f"is {what}"),),
         )
     if var.source_type.value == "lpe" and name and max(held.components, written.components) == 1:
         return Finding(

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ..model import MetadataOpinion, RenderScope, Settings, Site, State, Target
 from ..rule import Context, Finding, Severity, Sign, rule
 from ._chains import why_not_live
-from ._words import a_or_an, did_you_mean, paths
+from ._words import a_or_an, did_you_mean, meant_instead, paths, probably_meant
 
 GROUP = "stage"
 KEY = "renderSettingsPrimPath"
@@ -50,6 +50,15 @@ def default_settings_unset(scope: RenderScope, context: Context) -> Iterator[Fin
 def default_settings_unresolved(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """The default settings path leads to no prim."""
     target = scope.default.target
+    if target is not None and target.state is State.UNKNOWN and (meant := probably_meant(target)):
+        yield Finding(
+            target,
+            f"the default render settings <{target.path}> are nowhere in what could be opened, and <{meant.path}> is there",
+            label="perhaps misspelt",
+            help=meant_instead(target, meant),
+            related=_first_candidate(target),
+            severity=Severity.NOTE,
+        )
     if target is None or target.state is not State.MISSING:
         return
     if scope.only_overrides:

@@ -10,7 +10,7 @@ from ..model import EXPECTED, Pass, Property, Rel, RenderPrim, RenderScope, Site
 from ..rule import Context, Finding, Renderer, Severity, Sign, rule
 from ._chains import start_of, why_not_live
 from ._handful import LACKING
-from ._words import a_or_an, did_you_mean, nearest
+from ._words import a_or_an, did_you_mean, meant_instead, nearest, probably_meant
 
 GROUP = "property"
 
@@ -89,9 +89,20 @@ def relative_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
 def unresolved_target(prim: RenderPrim, context: Context) -> Iterator[Finding]:
     """A camera, product, var, render source or input pass does not exist."""
     for rel, target in _judged(prim):
+        what, kind, plural = _WANTED[rel.name]
+        if target.state is State.UNKNOWN:
+            if meant := probably_meant(target):
+                yield Finding(
+                    target.written,
+                    f"{what} <{target.path}> is nowhere in what could be opened, and <{meant.path}> is there",
+                    label="perhaps misspelt",
+                    help=meant_instead(target, meant),
+                    related=(*start_of(target), (meant.site, f"is {a_or_an(meant.type_name)}")),
+                    severity=Severity.NOTE,
+                )
+            continue
         if target.state is not State.MISSING or _is_host_prim(target, context.renderer):
             continue
-        what, kind, plural = _WANTED[rel.name]
         if target.perhaps_elsewhere and not target.only_in:
             yield Finding(
                 target.written,
