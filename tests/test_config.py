@@ -307,6 +307,54 @@ def test_nothing_selected_is_told_where_it_is_said(call: Call, write: Write) -> 
     assert "no rule is selected: nothing would be linted\n  --> usdrender-lint.toml:2:10" in run.err
 
 
+@pytest.mark.parametrize(
+    ("args", "judge"),
+    [
+        ("--renderer arnold --select karma-data-type,karma-raw-source", "arnold"),
+        ("--renderer any --select karma-data-type", "any"),
+        ("--renderer omniverse --select empty-product-name", "omniverse"),
+    ],
+)
+def test_rules_for_other_renderers_alone_are_no_run(
+    args: str, judge: str, call: Call, write: Write
+) -> None:
+    write("x.usda", CLEAN)
+    run = call("x.usda", *args.split())
+    assert run.code == 2
+    assert run.err == f"error: no rule that is selected is for {judge}: nothing would be linted\n"
+    assert call("x.usda", *args.split(), "--extend-select", "unresolved-target").code == 0
+
+
+def test_a_rule_that_a_renderer_leaves_out_is_for_it_where_somebody_says_how_bad_it_is(
+    call: Call, write: Write
+) -> None:
+    write("x.usda", CLEAN)
+    args = ("--renderer", "omniverse", "--select", "empty-product-name")
+    assert call("x.usda", *args, "--severity", "empty-product-name=note").code == 0
+
+
+def test_rules_for_another_renderer_than_the_configured_one_are_told_where_they_are_selected(
+    call: Call, write: Write
+) -> None:
+    write("usdrender-lint.toml", 'renderer = "arnold"\nselect = ["karma-data-type"]\n')
+    write("x.usda", CLEAN)
+    run = call("x.usda")
+    assert run.code == 2
+    said = "no rule that is selected is for arnold: nothing would be linted"
+    assert f"{said}\n  --> usdrender-lint.toml:2:10" in run.err
+
+
+def test_that_no_selected_rule_is_for_the_renderer_of_a_stage_is_noted(
+    call: Call, write: Write
+) -> None:
+    write("x.usda", CLEAN)
+    note = "note: no rule that is selected is for the renderer that a stage was judged by"
+    run = call("x.usda", "--select", "karma-data-type")
+    assert (run.code, run.err) == (0, f"{note}: see --renderer\n")
+    assert call("x.usda", "--select", "karma-data-type", "--renderer", "karma").err == ""
+    assert call("x.usda", "--select", "karma-data-type,missing-camera").err == ""
+
+
 # What extends what
 
 

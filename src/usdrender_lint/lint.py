@@ -64,9 +64,21 @@ def report_on(
     linted = [(file, group.config) for group in groups for file in group.plan.targets]
     results = lint_files(linted, shown)
     results, notes = _in_context(groups, results, shown, lint_files)
+    notes += _speechless(linted, results)
     problems = [*problems, *(p for r in results for p in r.problems)]
     ran = {} if part or problems else _ran(linted, results)
     return replace(_report(groups, problems, results, notes, ran), part=part)
+
+
+def _speechless(linted: Sequence[Asked], results: list[FileResult]) -> Iterator[str]:
+    """Word of it if there is no finding because nobody looked for one."""
+    looked = [
+        config.selection.told - result.silent
+        for (_, config), result in zip(linted, results, strict=True)
+        if result.silent is not None
+    ]
+    if looked and not any(looked):
+        yield "no rule that is selected is for the renderer that a stage was judged by: see --renderer"
 
 
 @dataclass(frozen=True, slots=True)

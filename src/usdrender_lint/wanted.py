@@ -16,7 +16,7 @@ from .job import SCOPES, Config
 from .patterns import Patterns
 from .records import dataclass
 from .registry import all_rules, matching, select
-from .renderers import Own, names
+from .renderers import Own, names, renderer
 from .rule import Severity
 
 AUTO = "auto"
@@ -58,12 +58,16 @@ def wanted(configuration: Configuration, options: Options) -> Config:
     chosen = [*(options.select or _selected(configuration)), *options.extend_select]
     selection = select(chosen, _left_out(configuration, options, levels), scene=scene)
     if not selection.told:
-        raise _nothing_selected(configuration, options)
+        raise _nothing_to_do(configuration, options, "no rule is selected")
     own = _own_renderers(configuration)
+    judge = _renderer(configuration, options, own)
+    severities = {rule: Severity(level) for rule, level in levels.items() if level != OFF}
+    if judge != AUTO and not any(_speaks(rule, judge, own, severities) for rule in selection.told):
+        raise _nothing_to_do(configuration, options, f"no rule that is selected is for {judge}")
     return Config(
         selection,
-        {rule: Severity(level) for rule, level in levels.items() if level != OFF},
-        _renderer(configuration, options, own),
+        severities,
+        judge,
         own,
         _flag(configuration, "variants", options.variants),
         scopes=_scopes(configuration),
@@ -123,8 +127,21 @@ def _left_out(
     return found.union(*map(matching, options.ignore))
 
 
-def _nothing_selected(configuration: Configuration, options: Options) -> WantedError | ConfigError:
-    said = "no rule is selected: nothing would be linted"
+def _speaks(
+    rule: str, judge: str, own: tuple[Own, ...], severities: Mapping[str, Severity]
+) -> bool:
+    """Whether a rule has a say where that renderer judges."""
+    whose = all_rules()[rule].renderers
+    if whose and judge not in whose:
+        return False
+    off = {rule for rule, severity in renderer(judge, own).severities.items() if severity is None}
+    return rule in severities or rule not in off
+
+
+def _nothing_to_do(
+    configuration: Configuration, options: Options, why: str
+) -> WantedError | ConfigError:
+    said = f"{why}: nothing would be linted"
     asked = configuration.asked("select") or configuration.asked("ignore")
     if options.select or options.ignore or options.severity or not asked:
         return WantedError(said)
