@@ -355,7 +355,7 @@ def _outline(linted: _Stage) -> Outline:
     has_arcs = len(linted.used) > len(local) + 1  # the session layer is another
     return Outline(
         tuple(split_package(one.realPath)[0] for one in local if one.realPath),
-        frozenset(f"/{n}" for one in local for n in one.rootPrims.keys()),  # noqa: SIM118 not specs
+        frozenset(f"/{n}" for one in local for n in one.pseudoRoot.GetInfo("primChildren")),
         frozenset(_brought(stage, linted.scope, {*local}) if has_arcs else ()),
     )
 
