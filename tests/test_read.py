@@ -13,6 +13,8 @@ from pxr import Sdf, Usd
 from usdrender_lint.crate import mentions
 from usdrender_lint.diagnostics import Diagnostics
 from usdrender_lint.model import (
+    EXTERNAL_CAMERA,
+    INCLUDE_AOVS,
     Attr,
     Candidate,
     Output,
@@ -281,6 +283,18 @@ class TestAttr:
     ) -> None:
         var = f'def RenderVar "v" {{\n        token dataType = "{written}"\n    }}'
         assert scope(render(more=var)).vars[0].data_type_known is known
+
+
+class TestExtras:
+    def test_of_a_var_all_of_others_what_rules_ask_for(self, scope: Read) -> None:
+        said = 'custom bool includeAovs = 1\n        string karma:note = "x"'
+        var = f'def RenderVar "V" {{\n        {said}\n    }}'
+        found = scope(render(f'string {EXTERNAL_CAMERA} = "persp"\n        {said}', said, var))
+        assert {p.path: [(e.name, e.value) for e in p.extras] for p in found.prims()} == {
+            "/Render/S": [(EXTERNAL_CAMERA, "persp"), (INCLUDE_AOVS, "true")],
+            "/Render/P": [(INCLUDE_AOVS, "true")],
+            "/Render/V": [(INCLUDE_AOVS, "true"), ("karma:note", "x")],
+        }
 
 
 class TestOutputs:

@@ -27,6 +27,14 @@ EXPECTED = {
 }
 """What each relationship of a render prim is to lead to."""
 
+EXTERNAL_CAMERA = "adskUsd:externalCamera"
+"""Maya's default USD render settings have no camera in USD, but the name of one of Maya's own."""
+INCLUDE_AOVS = "includeAovs"
+"""Of a product: husk writes its AOVs whatever its type."""
+EXTRAS = (EXTERNAL_CAMERA, INCLUDE_AOVS)
+"""Attributes of no schema that are read of render prims. Settings and products may have hundreds of
+others, which nobody judges; of vars, whose channels they name, all are read."""
+
 
 class State(StrEnum):
     """Whether a renderer meets a prim."""
@@ -297,7 +305,8 @@ class RenderPrim(Described):
     state: State
     rels: tuple[Rel, ...]
     extras: tuple[Attr[str], ...]
-    """Authored attributes that its schema does not have, their values as text, by name."""
+    """Authored attributes that its schema does not have, their values as text, by name: of a var all,
+    of other prims those among `EXTRAS`."""
     other_types: tuple[TypeOpinion, ...]
     """Render types that weaker layers give it."""
     maybe_more: bool

@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from pxr import Sdf, Usd, Vt
 
-from ..model import Attr, Site, ValueState
+from ..model import EXTRAS, Attr, Site, ValueState
 from .prims import Asked, Declared, Opinion
 from .specs import items
 
@@ -133,9 +133,10 @@ def read_extras(asked: Asked) -> tuple[Attr[str], ...]:
     """What renderers and studios author beside the schema; at the first sample where there is no
     default, for it is never meant to vary."""
     found = []
-    names = asked.schema.names
+    wanted = asked.authored if "RenderVar" in asked.kinds else EXTRAS
     for name in asked.authored:
-        attribute = None if name in names else _attribute(asked.prim, name)
+        is_extra = name in wanted and name not in asked.schema.names
+        attribute = _attribute(asked.prim, name) if is_extra else None
         if not attribute:
             continue
         value = _get(attribute)

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import TypeVar
 
 from ..model import (
+    EXTERNAL_CAMERA,
     Attr,
     Camera,
     Output,
@@ -24,9 +25,6 @@ from ._words import paths
 GROUP = "camera"
 
 T = TypeVar("T")
-
-_MAYA_CAMERA = "adskUsd:externalCamera"
-"""Maya's default USD render settings have no camera in USD, but the name of one of Maya's own."""
 
 _SAME_SHAPE = 0.01
 """Ratios that differ by less are one, rounded."""
@@ -53,7 +51,7 @@ def _without_camera(settings: Settings, scope: RenderScope) -> Iterator[Finding]
     blind = [o for o in outputs if not o.product.camera.named]
     if not blind:
         return
-    if (outside := settings.extra_attr(_MAYA_CAMERA)) and outside.value:
+    if (outside := settings.extra_attr(EXTERNAL_CAMERA)) and outside.value:
         yield Finding(
             outside,
             f"<{settings.path}> is seen through Maya's own camera '{outside.value}', which is not on this stage: outside Maya {paths(o.product.path for o in blind)} will not be rendered",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import Attr, HasSite, Output, Product, RenderScope, Var
+from ..model import INCLUDE_AOVS, Attr, HasSite, Output, Product, RenderScope, Var
 from ..rule import Context, Finding, Renderer, Severity, rule
 from ._handful import handful
 from ._types import pixel
@@ -256,5 +256,5 @@ def husk_nonraster_aovs(scope: RenderScope, context: Context) -> Iterator[Findin
 
 
 def _includes_aovs(product: Product) -> bool:
-    attr = product.extra_attr("includeAovs")
+    attr = product.extra_attr(INCLUDE_AOVS)
     return attr is not None and attr.value not in ("false", "0", "")
