@@ -216,6 +216,8 @@ def test_the_format_that_husk_is_to_be_told_is_one_that_it_knows() -> None:
         ("double horizontalAperture = 35", "type-mismatch"),
         ("float3 clippingRange = (1, 2, 3)", "type-mismatch"),
         ("float focallength = 35", "misspelled-property"),
+        ('token projection = "ortho"', "disallowed-token"),
+        ('token projection = "Perspective"', "disallowed-token"),
         ("float horizontalApeture = 35", "misspelled-property"),
     ],
 )
@@ -227,6 +229,8 @@ def test_a_camera_is_held_against_its_schema(body: str, rule: str) -> None:
     "body",
     [
         "float cameraAperture = 35",
+        'token projection = "orthographic"',
+        "token projection = None",
         "float focalLengthX = 35",
         "float fthetaWidth = 35",
         "custom float houdini:focallength = 35",
@@ -290,3 +294,20 @@ def test_a_color_is_more_than_one_number(kind: str, source: str, rules: list[str
 )
 def test_a_misspelt_namespace_is_noted(namespace: str, noted: bool) -> None:
     assert ("unknown-namespace" in severity(f"{SETTINGS}\n        int {namespace}:a = 1")) is noted
+
+
+@pytest.mark.parametrize(
+    ("line", "noted"),
+    [
+        ('renderSettingPrimPath = "/Render/T"', True),
+        ('customLayerData = { string renderSettingsPath = "/Render/T" }', True),
+        ('customLayerData = { string renderSettingsPrimPath = "/Render/S" }', False),
+    ],
+)
+def test_a_misspelt_key_beside_the_right_one_is_noted(line: str, noted: bool) -> None:
+    """It changes nothing, and may be the one that was meant."""
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace("(\n", f"(\n    {line}\n", 1)
+    _, marks = lint_files({"main.usda": main})
+    assert [m.severity for m in marks if m.rule == "default-settings-misspelled"] == [
+        "note"
+    ] * noted

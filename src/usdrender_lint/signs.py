@@ -64,7 +64,8 @@ def signs_of(scope: RenderScope) -> set[str]:
                 found.add(Sign.COLLECTION)
     for camera in scope.cameras:
         _add_attributes(camera, camera.type_name in _TYPES, found)
-        _add_properties(camera.properties, found)
+        if camera.properties:  # of a camera only what is odd is kept
+            found.add(Sign.ODD_PROPERTY)
         if camera.instance is not None:
             found.add(Sign.INSTANCED_CAMERA)
     return found

@@ -31,6 +31,9 @@ _SIMILAR = (0.5, 0.78)
 """Ratio from which a name is that of a camera, misspelt: of the only one there is, and of one of
 several."""
 
+_PROJECTIONS = ("perspective", "orthographic", "")
+"""All that the schema allows; blocked, it is empty."""
+
 _ATTRIBUTES: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "projection": ("projection", plain_text),
     "horizontal_aperture": ("horizontalAperture", float),
@@ -101,14 +104,17 @@ def _camera(prim: Usd.Prim, frames: FrameRange, views: tuple[View, ...]) -> Came
     for field, (_, plain) in _ATTRIBUTES.items():
         if attrs[field] in varying:
             attrs[field] = _sampled(asked, attrs[field], plain, times)
-    odd = [name for name in asked.authored if ":" not in name and name not in asked.schema.names]
+    known = asked.schema.names
+    odd = [name for name in asked.authored if ":" not in name and name not in known]
     odd += [attr.name for attr in attrs.values() if attr.state is ValueState.MISTYPED]
+    if attrs["projection"].value not in _PROJECTIONS:
+        odd.append("projection")
     return Camera(
         path=path,
         type_name=str(prim.GetTypeName()),
         site=Site(path),
-        properties=tuple(read_property(asked, name) for name in sorted(odd)),
-        built_in=tuple(sorted(n for n in asked.schema.names if ":" not in n)) if odd else (),
+        properties=tuple(read_property(asked, name) for name in sorted({*odd})),
+        built_in=tuple(sorted(n for n in known if ":" not in n)) if odd else (),
         **attrs,
         instance=_instance(prim),
         views=views,

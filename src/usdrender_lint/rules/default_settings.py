@@ -249,9 +249,10 @@ def _only_in_sublayers(opinions: list[MetadataOpinion], scope: RenderScope) -> I
 )
 def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A metadata key looks like `renderSettingsPrimPath` and is not."""
-    if scope.default.opinion is not None and scope.default.opinion.value:
-        return
+    said_right = scope.default.opinion.value if scope.default.opinion is not None else ""
     for opinion in scope.default.misspelled:
+        if said_right and said_right == opinion.value:
+            continue  # a copy, for whatever reads it
         if opinion.in_custom_data:
             said = f"'{opinion.key}' in customLayerData is not read: it is metadata of the layer itself"
         else:
@@ -260,7 +261,10 @@ def default_settings_misspelled(scope: RenderScope, context: Context) -> Iterato
             opinion,
             said,
             label=f"not {KEY}",
-            help=f'write {KEY} = "{opinion.value or "/path/of/the/settings"}" in the metadata of the root layer',
+            help=f"{KEY} says <{said_right}>: remove this one"
+            if said_right
+            else f'write {KEY} = "{opinion.value or "/path/of/the/settings"}" in the metadata of the root layer',
+            severity=Severity.NOTE if said_right else None,
         )
 
 

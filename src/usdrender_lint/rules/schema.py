@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ..model import RenderPrim, RenderScope, Site
+from ..model import Described, RenderPrim, RenderScope, Site
 from ..rule import Context, Finding, Severity, Sign, rule
 from ._words import a_or_an, nearest, one_of
 
@@ -94,18 +94,18 @@ def removed_schema(scope: RenderScope, context: Context) -> Iterator[Finding]:
 
 @rule(
     "disallowed-token",
-    on=RenderPrim,
+    on=Described,
     severity=Severity.ERROR,
     since="0.1",
     supersedes=("collection-mode-portability",),
     by_itself=True,
     about=(Sign.ODD_PROPERTY,),
 )
-def disallowed_token(prim: RenderPrim, context: Context) -> Iterator[Finding]:
+def disallowed_token(prim: Described, context: Context) -> Iterator[Finding]:
     """A token is none that the schema allows."""
     for found in prim.properties:
         # Un-namespaced tokens of UsdRender have rules that know what renderers do with them.
-        if not found.refused or ":" not in found.name:
+        if not found.refused or (":" not in found.name and isinstance(prim, RenderPrim)):
             continue
         meant = nearest(found.refused[0], found.allowed, 0.6)
         yield Finding(
