@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -180,6 +182,110 @@ def test_a_package_that_asks_for_a_later_zip(tmp_path: Path) -> None:
     report = lint([str(file)], cwd=tmp_path)
     assert report.problems == ()
     assert [f.rule.id for f in report.findings] == ["syntax-error"]
+
+
+def broken_target(folder: Path, *more: tuple[str, bytes]) -> Path:
+    text = """#usda 1.0
+def Scope "Render"
+{
+    def RenderSettings "S"
+    {
+        rel camera = </World/gone>
+    }
+}
+"""
+    return package(folder, ("main.usda", text.encode()), *more)
+
+
+def places(file: Path) -> list[tuple[str, str | None, int | None]]:
+    report = linted(file)
+    assert report.problems == ()
+    found = [f.location for f in report.findings if f.rule.id == "unresolved-target"]
+    return [(at.path, at.member, at.span.line if at.span else None) for at in found]
+
+
+CENTRAL, END = b"PK\x01\x02", b"PK\x05\x06"
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        pytest.param(lambda d: d.replace(b"gone", b"lost"), id="another checksum"),
+        pytest.param(lambda d: d[: d.index(END)], id="no end"),
+        pytest.param(lambda d: d[: d.index(CENTRAL)], id="no directory"),
+        pytest.param(lambda d: d[:-6] + b"\5\0\0\0" + d[-2:], id="another start of the directory"),
+        pytest.param(lambda d: d[:-2] + b"\x16\0" + d[-22:], id="an end in the comment"),
+        pytest.param(lambda d: d + b"more", id="something behind it"),
+    ],
+)
+def test_usd_reads_a_package_from_its_start(
+    tmp_path: Path, damage: Callable[[bytes], bytes]
+) -> None:
+    """Without its directory, which Python's own reader begins with: so there is a line to show."""
+    file = broken_target(tmp_path)
+    file.write_bytes(damage(file.read_bytes()))
+    assert places(file) == [("shot.usdz", "main.usda", 6)]
+
+
+@pytest.mark.filterwarnings("ignore:Duplicate name")
+def test_of_two_members_of_one_name_usd_reads_the_first(tmp_path: Path) -> None:
+    file = broken_target(tmp_path, ("main.usda", b"#usda 1.0\n" * 9))
+    assert places(file) == [("shot.usdz", "main.usda", 6)]
+
+
+def test_a_package_whose_root_layer_is_a_package(tmp_path: Path) -> None:
+    inner = broken_target(tmp_path).read_bytes()
+    file = package(tmp_path, ("inner.usdz", inner))
+    assert places(file) == [("shot.usdz", "inner.usdz[main.usda]", 6)]
+
+
+MEMBERS = {
+    "main.usda": [
+        (GOOD.encode("utf-16"), "UTF-16 text"),
+        (b"\xef\xbb\xbf" + GOOD.encode(), "begins with a UTF-8 byte order mark"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "a Git LFS pointer"),
+        (b"\0" * 99, "begins with nothing but zero bytes"),
+        (b"PXR-USDC" + b"\0" * 99, "named .usda, but holds a binary crate"),
+    ],
+    "main.usdc": [(GOOD.encode(), "named .usdc, but holds usda text")],
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "held", "what"), [(name, *one) for name, all_ in MEMBERS.items() for one in all_]
+)
+def test_a_member_is_looked_at_as_a_file_is(
+    tmp_path: Path, name: str, held: bytes, what: str
+) -> None:
+    path, message = refused(package(tmp_path, (name, held)))
+    assert path == "shot.usdz"
+    assert message.startswith(f"'{name}' in it: {what}")
+
+
+def test_a_package_that_was_written_as_a_stream(tmp_path: Path) -> None:
+    class Stream(io.BytesIO):
+        def seekable(self) -> bool:
+            return False
+
+        def tell(self) -> int:
+            raise OSError
+
+    held = Stream()
+    with zipfile.ZipFile(held, "w") as archive:
+        archive.writestr("main.usda", GOOD)
+    (tmp_path / "shot.usdz").write_bytes(held.getvalue())
+    said = "'main.usda' in it has its size behind it, where USD does not look"
+    assert refused(tmp_path / "shot.usdz") == ("shot.usdz", said)
+
+
+def test_a_package_with_sizes_of_zip64(tmp_path: Path) -> None:
+    with (
+        zipfile.ZipFile(tmp_path / "shot.usdz", "w") as archive,
+        archive.open("main.usda", "w", force_zip64=True) as member,
+    ):
+        member.write(GOOD.encode())
+    said = "'main.usda' in it is written as zip64, which USD does not read"
+    assert refused(tmp_path / "shot.usdz") == ("shot.usdz", said)
 
 
 def test_a_package_with_the_name_of_a_layer(tmp_path: Path) -> None:

@@ -103,6 +103,10 @@ def _missing_in(file: str) -> str:
     """Why USD finds nothing, and has no words for it."""
     if not file.lower().endswith(".usdz"):
         return "holds neither usda text, which begins with '#usda 1.0', nor a binary crate"
+    from .refusal import of_member
+
+    if why := of_member(file):
+        return why.message
     if first := packages.first_member(file, None):
         said = f"its first file is '{first}', and USD opens no other: put the root layer first"
         return (

@@ -11,7 +11,7 @@ from pathlib import Path
 from . import crate, packages
 from .discover import USD_SUFFIXES
 from .handed import bytes_at
-from .heads import EMPTY
+from .heads import EMPTY, LFS, POINTER, why_no_layer
 from .lazily import lazily
 from .unopened import ParseProblem, Unreadable
 from .usda.lines import Lines
@@ -69,6 +69,8 @@ def why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
         if match := _PACKED.search(text):
             told = f"'{match[1]}' in it is {match[2]}, and USD reads no such file in a package"
             return Unreadable(packages.split_package(file)[0], "unreadable-file", told)
+    if why := of_member(file):
+        return why
     data, inside = _text_in(file)
     if data is not None:
         return _wrong_text(file, data, said) if data else _nothing(file, inside)
@@ -78,6 +80,23 @@ def why_not(file: str, said: list[str]) -> Unreadable | ParseProblem:
             detail = "written by a version of USD that this one does not read"
     told = f"USD cannot open '{inside}' in it" if inside else "USD cannot open it"
     return Unreadable(file, "unreadable-file", f"{told}: {detail}")
+
+
+def of_member(name: str) -> Unreadable | None:
+    """What keeps USD from a member of a package, which it opens by name as it does a file."""
+    file, member = packages.split_package(name)
+    if not file.lower().endswith(".usdz"):
+        return None
+    if member is None and (why := packages.unread(file)):
+        return Unreadable(file, "unreadable-file", why)
+    inside = member or packages.first_member(file, None) or ""
+    plain = inside.rstrip("]")
+    with Path(bytes_at(file)).open("rb") as stream:
+        head = (packages.bytes_of(stream, inside) or b"")[:1024]
+    if not head or not plain.lower().endswith(USD_SUFFIXES):
+        return None
+    what = POINTER if head.startswith(LFS) else why_no_layer(plain, head)
+    return Unreadable(file, "unreadable-file", f"'{inside}' in it: {what}") if what else None
 
 
 def _nothing(file: str, inside: str) -> Unreadable:

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import re
-import struct
-import zipfile
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from urllib.parse import quote
 
+from ..packages import extent
 from ..records import dataclass
 from ..results import Located, Location, Place, Report
 from .fingerprint import file_line_hashes
@@ -142,28 +141,14 @@ def members(report: Report, tables: Tables) -> Iterator[Json]:
         if (member := place.location.member)
     }
     for path, member, file in sorted(members):
-        if extent := _extent(file, member):
+        if found := extent(file, member):
             yield {
                 "parentIndex": tables.artifact_index[path],
-                "offset": extent.start,
-                "length": len(extent),
+                "offset": found.start,
+                "length": len(found),
                 "description": {"text": f"The layer '{member}' in the package."},
                 **_mime_type(member),
             }
-
-
-def _extent(package: str, member: str) -> range | None:
-    """Where in a usdz the bytes of a member are; USD wants them stored, not compressed."""
-    try:
-        with zipfile.ZipFile(package) as archive, Path(package).open("rb") as raw:
-            info = archive.getinfo(member)
-            raw.seek(info.header_offset)
-            # A header of 30 bytes, which ends with the lengths of the name and the padding after it.
-            name, padding = struct.unpack("<26xHH", raw.read(30))
-    except (OSError, KeyError, RuntimeError, zipfile.BadZipFile, struct.error):
-        return None
-    start = info.header_offset + 30 + name + padding
-    return range(start, start + info.compress_size)
 
 
 def _mime_type(path: str) -> Json:
