@@ -217,6 +217,31 @@ def test_a_target_of_ten_thousand_names_takes_no_time() -> None:
     assert len(asked) == 3
 
 
+def test_names_of_a_million_letters_are_likened_to_none() -> None:
+    from usdrender_lint.likeness import closest, is_like, likeness
+
+    long = "n" * 1_000_000
+    assert likeness(long, "name") == 0
+    assert likeness(long, long.upper()) == 1
+    assert not is_like(long, "n", 0.1)
+    assert closest(long, ["name"]) is None
+    assert closest("name", [long, "names"]) == "names"
+
+
+def test_each_of_many_sublayers_is_found_in_one_look(monkeypatch: pytest.MonkeyPatch) -> None:
+    from usdrender_lint.usda.scan import Scan
+
+    looks = []
+    metadata = Scan.metadata
+    monkeypatch.setattr(Scan, "metadata", lambda *args: looks.append(args) or metadata(*args))
+    names = [f"s{number}.usda" for number in range(50)]
+    assets = ", ".join(f"@{name}@" for name in names)
+    report = linted(META % f"    subLayers = [{assets}]\n" + BODY)
+    columns = [f.location.span.column for f in report.findings if f.location.span]
+    assert len(set(columns)) == len(names)
+    assert len(looks) < 10
+
+
 # Beside the layers
 
 

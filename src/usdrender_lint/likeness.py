@@ -9,8 +9,14 @@ _MEANT = 0.6
 """Of two words that are less alike than that, one is no misspelling of the other."""
 
 
+_LONGEST = 1000
+"""Characters of what may be misspelt by anybody: to compare millions takes minutes."""
+
+
 def likeness(one: str, other: str) -> float:
     """1 for the same but for upper and lower case, 0 for nothing in common."""
+    if max(len(one), len(other)) > _LONGEST:
+        return float(one.lower() == other.lower())
     from difflib import SequenceMatcher
 
     return SequenceMatcher(None, one.lower(), other.lower()).ratio()
@@ -18,6 +24,8 @@ def likeness(one: str, other: str) -> float:
 
 def is_like(one: str, other: str, least: float) -> bool:
     """Whether the likeness is as great as that. Most names have not even the letters for it."""
+    if max(len(one), len(other)) > _LONGEST:
+        return one.lower() == other.lower()
     one, other = one.lower(), other.lower()
     common = sum([min(one.count(letter), other.count(letter)) for letter in {*one}])
     most = 2.0 * common / (len(one) + len(other))
@@ -30,12 +38,14 @@ def most_alike(name: str, known: Iterable[str], most: int) -> list[tuple[float, 
     `difflib` takes 20 us for two names, and an upper bound is known for a tenth of it: so what can
     be none of the best is not compared.
     """
+    if len(name) > _LONGEST:
+        return []
     from difflib import SequenceMatcher
 
     matcher = SequenceMatcher()
     matcher.set_seq2(name.lower())
     best: list[tuple[float, _Backwards]] = []
-    for other in sorted(set(known)):
+    for other in sorted(one for one in set(known) if len(one) <= _LONGEST):
         matcher.set_seq1(other.lower())
         least = best[0][0] if len(best) == most else -1.0
         if matcher.real_quick_ratio() <= least or matcher.quick_ratio() <= least:

@@ -72,6 +72,8 @@ class UsdaText:
     def __init__(self, data: bytes) -> None:
         self._data = data
         self._targets: dict[tuple[int, str], dict[str, Range]] = {}
+        self._entries: dict[tuple[Range, str], list[Statement]] = {}
+        self._arcs: dict[tuple[Range, str], dict[str, list[Range]]] = {}
         self._begins: dict[int, list[tuple[bytes, int]]] = {}
         self._drawn: dict[int, str] = {}
         """Lines that were asked for: thousands of findings may stand in one that is long."""
@@ -309,11 +311,9 @@ class UsdaText:
     ) -> Iterator[Range]:
         key, _, rest = field.partition(":")
         keyword = KEYWORDS.get(key, key)
-        entries = [e for e in self._scan.metadata(inside) if self._keyword(e) == keyword]
-        entries.sort(key=_removes)
+        entries = self._entries_of(inside, keyword)
         if target:
-            arcs = (arc for entry in entries for arc in self._elements(entry))
-            yield from (arc for arc in arcs if target in self._meanings(arc, path))
+            yield from self._arcs_of(inside, keyword, entries, path).get(target, ())
         for entry in entries:
             if rest and entry.value:
                 for found in self._in_dictionary(entry.value, rest):
@@ -364,6 +364,27 @@ class UsdaText:
             start, end = statement.value
             listed = self._data[start] == 0x5B
             yield from self._scan.items((start + 1, end - 1) if listed else (start, end))
+
+    def _entries_of(self, inside: Range, keyword: str) -> list[Statement]:
+        """Those of a keyword; what takes something away last. Of one with thousands of arcs each arc
+        is asked for."""
+        key = inside, keyword
+        if key not in self._entries:
+            found = [e for e in self._scan.metadata(inside) if self._keyword(e) == keyword]
+            self._entries[key] = sorted(found, key=_removes)
+        return self._entries[key]
+
+    def _arcs_of(
+        self, inside: Range, keyword: str, entries: list[Statement], path: SpecPath
+    ) -> dict[str, list[Range]]:
+        """The arcs in the lists of some metadata, by what they may be called."""
+        key = inside, keyword
+        if key not in self._arcs:
+            found = self._arcs[key] = {}
+            for arc in (arc for entry in entries for arc in self._elements(entry)):
+                for meaning in self._meanings(arc, path):
+                    found.setdefault(meaning, []).append(arc)
+        return self._arcs[key]
 
     def _meanings(self, arc: Range, path: SpecPath) -> tuple[str, ...]:
         """What an arc may be called: its asset, and its asset and prim."""
