@@ -377,7 +377,10 @@ def _died(file: Named, code: int | None, words: tuple[str, ...]) -> FileResult:
     if name == "SIGKILL":
         what, kind = "linting it was killed: it may need more memory than there is", "out-of-memory"
     elif name:
-        what, kind = "USD crashed while reading it", "crashed-usd"
+        what, kind = (
+            "USD crashed while reading it: it may be damaged, or nested too deeply",
+            "crashed-usd",
+        )
     else:
         what, kind = "the process that linted it ended without a result", "crashed-usd"
     how = f"{file.shown}: the process that linted it ended with {name or code}"
