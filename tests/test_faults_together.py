@@ -117,6 +117,54 @@ def test_a_product_of_another_name_is_not_taken_for_the_missing_one() -> None:
     assert told(settings, product) == ["unresolved-target"]
 
 
+@pytest.mark.parametrize(
+    "target", ["</shot>", "</shot/cameras>", "</shot/cameras/cam1.focalLength>", "</Render/Id>"]
+)
+def test_the_only_camera_behind_a_target_of_another_type(target: str) -> None:
+    settings = SETTINGS.replace("</shot/cameras/cam1>", target)
+    assert told(settings, camera="float focalLength = 0") == [
+        "invalid-camera-lens",
+        "wrong-target-type",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "rule"),
+    [
+        ("rel product = </Render/Beauty>", "misspelled-property"),
+        ('token[] products = ["/Render/Beauty"]', "kind-mismatch"),
+    ],
+)
+def test_the_name_of_a_product_whose_list_was_lost(line: str, rule: str) -> None:
+    settings = f"rel camera = </shot/cameras/cam1>\n        {line}"
+    product = 'rel orderedVars = </Render/Color>\n        token productName = "$A/a.exr"'
+    assert told(settings, product) == sorted([rule, "nonportable-product-name"])
+
+
+def test_the_name_of_a_product_that_nobody_lists_is_not_judged() -> None:
+    product = 'rel orderedVars = </Render/Color>\n        token productName = "$A/a.exr"'
+    assert told("rel camera = </shot/cameras/cam1>", product) == []
+
+
+def test_a_var_whose_list_is_misspelt() -> None:
+    product = PRODUCT.replace("orderedVars", "orderedvars")
+    assert told(product=product, var="") == ["empty-source-name", "misspelled-property"]
+
+
+@pytest.mark.parametrize("source", ["</Render/T>", "<Render/S>"])
+def test_a_pass_prunes_the_camera_whatever_its_source_is_called(source: str) -> None:
+    render_pass = f"""
+    def RenderPass "A"
+    {{
+        rel renderSource = {source}
+        rel collection:prune:includes = </shot>
+    }}
+    def RenderVar "Id\""""
+    main = (STAGE % (SETTINGS, PRODUCT, VAR, "")).replace('\n    def RenderVar "Id"', render_pass)
+    _, marks = lint_files({"main.usda": main})
+    assert "prune-removes-camera" in {m.rule for m in marks}
+
+
 MISSING_LAYER = "(\n    subLayers = [@./nowhere.usda@]\n"
 
 

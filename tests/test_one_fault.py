@@ -579,7 +579,7 @@ CLOSES_FIRST = (
         ("</World/cma>", ["inverted-shutter", "unresolved-target"]),
         ("<World/cam>", ["inverted-shutter", "relative-target"]),
         ("</World/other_thing>", ["unresolved-target"]),
-        ("</World>", ["wrong-target-type"]),
+        ("</World>", ["inverted-shutter", "wrong-target-type"]),
     ],
 )
 def test_a_camera_is_judged_though_its_name_is_misspelt(camera: str, told: list[str]) -> None:

@@ -68,18 +68,28 @@ def read_cameras(
 
 
 def _meant(stage: Usd.Stage, target: Target) -> str | None:
-    """The camera that will be rendered through once a misspelt target is mended: its faults need not
+    """The camera that will be rendered through once a broken target is mended: its faults need not
     wait for that."""
-    if target.state is not State.MISSING or target.is_property:
-        return None
-    name = target.path.rpartition("/")[2]
-    found = target.candidates
-    near = found and likeness(name, found[0].name) >= _SIMILAR[len(found) > 1]
-    path = target.meant or (found[0].path if near else None)
+    path = _path_meant(target)
     prim = stage.GetPrimAtPath(path) if path else None
     if not prim or not prim.IsA("Camera") or prim.IsInstanceProxy() or prim.IsInstance():
         return None
     return path if state_of(prim) is State.LIVE else None
+
+
+def _path_meant(target: Target) -> str | None:
+    if target.is_property:
+        return target.path.partition(".")[0]
+    if target.meant:
+        return target.meant
+    found = target.candidates
+    if not found:
+        return None
+    if target.state is State.LIVE:  # of another type
+        below = found[0].path.startswith(f"{target.path}/")
+        return found[0].path if below or len(found) == 1 else None
+    near = likeness(target.path.rpartition("/")[2], found[0].name) >= _SIMILAR[len(found) > 1]
+    return found[0].path if near and target.state is State.MISSING else None
 
 
 def _views(settings: Iterable[Settings], products: Iterable[Product]) -> Iterator[View]:

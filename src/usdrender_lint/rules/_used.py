@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ..model import Rel, RenderScope, Var
+from ..model import Rel, RenderPrim, RenderScope, Var
 from ..rule import Context, once
-from ._words import is_near
+from ._words import is_near, nearest
 
 
 def listed(rels: Iterable[Rel]) -> set[str]:
@@ -24,6 +24,14 @@ def listed(rels: Iterable[Rel]) -> set[str]:
     return found
 
 
+def lost_its_list(prim: RenderPrim, rel: Rel) -> bool:
+    """By a fault that is told: it is written as an attribute, or under a misspelt name."""
+    if rel.written_as_attribute:
+        return True
+    unknown = (p.name for p in prim.properties if not (p.is_schema or p.belongs_to))
+    return any(nearest(n, prim.built_in) == rel.name for n in unknown if ":" not in n)
+
+
 @once
 def live(scope: RenderScope, context: Context) -> tuple[Var, ...]:
     return tuple(v for v in scope.vars if v.live)
@@ -31,8 +39,9 @@ def live(scope: RenderScope, context: Context) -> tuple[Var, ...]:
 
 @once
 def used(scope: RenderScope, context: Context) -> tuple[Var, ...]:
-    """Vars that a product lists; of a layer without products, which other layers complete, all."""
-    if not scope.products:
+    """Vars that a product lists; where a list was lost, or other layers hold the products, all."""
+    lists = [(p, p.ordered_vars) for p in scope.products if p.live]
+    if not scope.products or any(lost_its_list(prim, rel) for prim, rel in lists):
         return live(scope, context)
-    named = listed(p.ordered_vars for p in scope.products)
+    named = listed(rel for _, rel in lists)
     return tuple(v for v in live(scope, context) if v.path in named)

@@ -52,9 +52,10 @@ def prune_removes_camera(scope: RenderScope, context: Context) -> Iterator[Findi
             continue
         if prune.lost or prune.problem:  # what is left was not meant
             continue
-        if source.path not in settings:
-            continue
-        for what, path in _needed(settings[source.path]):
+        render = settings.get(source.path)
+        if render is None and not source.live and len(settings) == 1:
+            (render,) = settings.values()  # whatever the broken target meant, it is this one
+        for what, path in _needed(render, scope) if render is not None else ():
             if top := prune.holding(path):
                 along = "" if top == path else f" along with <{top}>"
                 yield Finding(
@@ -66,9 +67,11 @@ def prune_removes_camera(scope: RenderScope, context: Context) -> Iterator[Findi
                 break
 
 
-def _needed(settings: Settings) -> Iterator[tuple[str, str]]:
+def _needed(settings: Settings, scope: RenderScope) -> Iterator[tuple[str, str]]:
     rels = [settings.camera, *(o.camera for o in settings.outputs if o.product.live)]
-    for path in dict.fromkeys(t.path for r in rels for t in r.targets[:1] if t.live):
+    named = [t for r in rels for t in r.targets[:1] if t.live and "Camera" in t.isa]
+    # Where all that is named is broken, it is what was probably meant.
+    for path in dict.fromkeys(one.path for one in named or scope.cameras):
         yield "camera", path
     yield "settings", settings.path
 

@@ -22,17 +22,21 @@ from ._names import (
     without_expanded,
     without_tokens,
 )
-from ._used import listed
+from ._used import listed, lost_its_list
 from ._words import joined
 
 GROUP = "product"
 
 
 def _rendered(scope: RenderScope) -> Iterator[Product]:
-    """Live products that live settings list, for only these are ever written; of a layer without
-    settings, which other layers complete, all."""
-    named = listed(s.products for s in scope.settings if s.live)
-    return (p for p in scope.products if p.live and (p.path in named or not scope.settings))
+    """Live products that live settings list, for only these are ever written; where a list was lost,
+    or other layers hold the settings, all."""
+    lists = [(s, s.products) for s in scope.settings if s.live]
+    products = (p for p in scope.products if p.live)
+    if not scope.settings or any(lost_its_list(prim, rel) for prim, rel in lists):
+        return products
+    named = listed(rel for _, rel in lists)
+    return (p for p in products if p.path in named)
 
 
 @once

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from fnmatch import fnmatchcase
 
 from ..model import RenderScope, ValueState, Var
-from ..rule import Context, Finding, Severity, rule
+from ..rule import Context, Finding, Severity, Sign, rule
 from ._handful import handful
-from ._used import listed, used
+from ._used import used
 from ._words import nearest, one_of
 
 GROUP = "var"
@@ -22,13 +22,12 @@ SOURCE_TYPES = ("raw", "primvar", "lpe", "intrinsic")
     severity=Severity.WARNING,
     since="0.1",
     supersedes=("blocked-value",),
-    about=("orderedVars",),
+    about=("orderedVars", Sign.ODD_PROPERTY),
 )
 def empty_source_name(scope: RenderScope, context: Context) -> Iterator[Finding]:
     """A var that a product lists does not name its source."""
-    named = listed(p.ordered_vars for p in scope.products if p.live)
-    for var in scope.vars:
-        if not var.live or var.path not in named or var.source_name.value.strip() or var.maybe_more:
+    for var in used(scope, context) if scope.products else ():
+        if var.source_name.value.strip() or var.maybe_more:
             continue
         if var.source_name.state is ValueState.MISTYPED or _named_otherwise(var, context):
             continue
