@@ -13,13 +13,13 @@ from pathlib import Path
 import pytest
 
 from conftest import ROOT, since
-from usdrender_lint import headstart, machine, workers
 from usdrender_lint.__main__ import main
+from usdrender_lint.processes import headstart, machine, workers
 
 CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
 ENVIRONMENT = os.environ | {
     "PYTHONPATH": os.pathsep.join(
-        filter(None, (str(Path(workers.__file__).parents[1]), os.environ.get("PYTHONPATH")))
+        filter(None, (str(Path(workers.__file__).parents[2]), os.environ.get("PYTHONPATH")))
     )
 }
 linux = pytest.mark.skipif(sys.platform != "linux", reason="made where processes are copied")
@@ -27,7 +27,7 @@ linux = pytest.mark.skipif(sys.platform != "linux", reason="made where processes
 PROGRAM = """
 import os, sys
 from pathlib import Path
-from usdrender_lint import headstart, workers
+from usdrender_lint.processes import headstart, workers
 from usdrender_lint.__main__ import program
 
 def copied(task, others=()):
@@ -162,11 +162,11 @@ def test_the_one_that_nobody_needs_is_gone(args: tuple[str, ...]) -> None:
 
 THREADS = """
 import os, sys, time
-from usdrender_lint import headstart, workers
+from usdrender_lint.processes import headstart, workers
 from usdrender_lint.discover import Shown, Target
 from usdrender_lint.job import Config, FileResult
 from usdrender_lint.registry import select
-from usdrender_lint.worker import Linting, Order
+from usdrender_lint.processes.worker import Linting, Order
 
 class Telling(Linting):
     def __call__(self, order):
@@ -210,7 +210,7 @@ def test_who_is_ready_has_all_that_a_stage_would_wait_for_and_one_thread() -> No
     """Another thread would make it impossible to copy the process."""
     code = """
 import sys, threading
-from usdrender_lint.ready import get_ready
+from usdrender_lint.processes.ready import get_ready
 get_ready()
 modules = set(sys.modules)
 from usdrender_lint.lint import lint

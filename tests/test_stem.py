@@ -15,13 +15,13 @@ from typing import Any
 import pytest
 
 from test_workers import Doing, named, told
-from usdrender_lint import stem as stems
-from usdrender_lint.copies import Line, Pipes, copied
 from usdrender_lint.discover import Target
 from usdrender_lint.job import FileResult
-from usdrender_lint.stem import Stem
-from usdrender_lint.worker import serve_whatever
-from usdrender_lint.workers import Isolated, Worker, forked, run
+from usdrender_lint.processes import stem as stems
+from usdrender_lint.processes.copies import Line, Pipes, copied
+from usdrender_lint.processes.stem import Stem
+from usdrender_lint.processes.worker import serve_whatever
+from usdrender_lint.processes.workers import Isolated, Worker, forked, run
 
 pytestmark = [
     pytest.mark.skipif(sys.platform != "linux", reason="made there only"),

@@ -21,17 +21,17 @@ from typing import Any
 import pytest
 
 from conftest import ROOT
-from usdrender_lint import machine, worker, workers
 from usdrender_lint.__main__ import main
-from usdrender_lint.aside import listening
 from usdrender_lint.discover import Shown, Target
 from usdrender_lint.formats import FORMATS
-from usdrender_lint.frames import packed, unpacked
 from usdrender_lint.job import Config, FileResult
 from usdrender_lint.lint import lint
+from usdrender_lint.processes import machine, worker, workers
+from usdrender_lint.processes.aside import listening
+from usdrender_lint.processes.frames import packed, unpacked
+from usdrender_lint.processes.workers import Isolated, Worker, forked, run, spawned
 from usdrender_lint.registry import select
 from usdrender_lint.testing import BASE
-from usdrender_lint.workers import Isolated, Worker, forked, run, spawned
 
 CLEAN = ROOT / "fixtures" / "clean" / "film_shot.usda"
 posix = pytest.mark.skipif(os.name == "nt", reason="signals and special files are others there")
@@ -493,13 +493,13 @@ def test_memory_that_may_be_used(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 
 ENVIRONMENT = os.environ | {
     "PYTHONPATH": os.pathsep.join(
-        filter(None, (str(Path(workers.__file__).parents[1]), os.environ.get("PYTHONPATH")))
+        filter(None, (str(Path(workers.__file__).parents[2]), os.environ.get("PYTHONPATH")))
     )
 }
 
 SLOW = """
 import os, pathlib, sys, time
-from usdrender_lint import workers
+from usdrender_lint.processes import workers
 from usdrender_lint.__main__ import main
 
 def slow(self, file, /):
@@ -829,7 +829,7 @@ def test_with_what_every_system_offers(jobs: str) -> None:
     Path("site").mkdir()
     Path("site", "sitecustomize.py").write_text(LESS)
     path = os.pathsep.join((str(Path("site").absolute()), ENVIRONMENT["PYTHONPATH"]))
-    code = "from usdrender_lint import workers; workers.lint_here = None; from usdrender_lint.__main__ import program; program()"
+    code = "from usdrender_lint.processes import workers; workers.lint_here = None; from usdrender_lint.__main__ import program; program()"
     done = subprocess.run(
         [sys.executable, "-c", code, str(CLEAN), str(CLEAN.with_name("stereo.usda")), jobs],
         capture_output=True,

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from typing import NoReturn
 
-from . import headstart
+from .processes import headstart
 
 _SELDOM = 100_000
 """Objects between two searches for cycles, which are few here; Python's 700 cost a tenth of a run."""

@@ -19,13 +19,13 @@ from .output import OutputError, write_file, write_out
 from .pages import page_text
 from .patterns import Patterns
 from .plan import Plan, Sought, plan
+from .processes.workers import TIMEOUT, Isolated
 from .progress import bar
 from .registry import UnknownRuleError, all_rules
 from .renderers import names as renderer_names
 from .results import Report
 from .rule import Severity
 from .wanted import Options
-from .workers import TIMEOUT, Isolated
 
 if TYPE_CHECKING:
     from .baselines import Held

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 from .console import say, terminal_width
 from .printable import escaped
-from .worker import Named
+from .processes.worker import Named
 
 _PATIENCE = 2.0
 """Seconds: for less, a line would only flicker."""

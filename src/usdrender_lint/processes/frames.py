@@ -8,8 +8,8 @@ import io
 import pickle
 from typing import Any, Protocol
 
-from .registry import all_rules
-from .rule import AnyRule, Rule
+from ..registry import all_rules
+from ..rule import AnyRule, Rule
 
 HEAD = 8
 """Bytes of a length."""

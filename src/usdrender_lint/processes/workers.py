@@ -19,16 +19,16 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import field, replace
 
+from ..discover import Shown
+from ..job import Asked, FileResult
+from ..lint import lint_here
+from ..records import dataclass
+from ..results import Problem
 from . import headstart
 from .aside import last_words, listening
 from .copies import awaited, can_be_copied, copied, fill_closed_streams
-from .discover import Shown
 from .frames import Channel, framed, frames_in, packed, unpacked
-from .job import Asked, FileResult
-from .lint import lint_here
 from .machine import cores
-from .records import dataclass
-from .results import Problem
 from .stem import Process, Stem
 from .worker import Limits, Linting, Named, Order, Work, begin, introduced, serve
 

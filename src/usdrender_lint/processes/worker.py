@@ -10,17 +10,17 @@ from contextlib import suppress
 from dataclasses import field, replace
 from typing import Any, Protocol
 
+from ..discover import Shown
+from ..discover import Target as File
+from ..handed import accept, handed_over
+from ..job import Config, FileResult
+from ..lint import lint_here
+from ..records import dataclass
 from .aside import Aside, listening
 from .copies import Lifeline, do_and_exit
-from .discover import Shown
-from .discover import Target as File
 from .frames import Channel, framed, packed, received, unpacked
-from .handed import accept, handed_over
-from .job import Config, FileResult
-from .lint import lint_here
 from .machine import most_memory
 from .ready import get_ready, use_threads
-from .records import dataclass
 from .stem import divide
 
 

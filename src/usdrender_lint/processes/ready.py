@@ -34,8 +34,8 @@ def _try_to_import() -> None:
 
 
 def _import() -> None:
-    from . import lint_file  # noqa: F401 it is what will be called
-    from .registry import all_rules
+    from .. import lint_file  # noqa: F401 it is what will be called
+    from ..registry import all_rules
 
     all_rules()
 
