@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ..likeness import is_like
 from ..model import Rel, RenderPrim, RenderScope, Var
 from ..rule import Context, once
-from ._words import is_near, nearest
+from ._words import SIMILAR, is_near
 
 
 def listed(rels: Iterable[Rel]) -> set[str]:
@@ -26,10 +27,10 @@ def listed(rels: Iterable[Rel]) -> set[str]:
 
 def lost_its_list(prim: RenderPrim, rel: Rel) -> bool:
     """By a fault that is told: it is written as an attribute, or under a misspelt name."""
-    if rel.written_as_attribute:
-        return True
-    unknown = (p.name for p in prim.properties if not (p.is_schema or p.belongs_to))
-    return any(nearest(n, prim.built_in) == rel.name for n in unknown if ":" not in n)
+    if rel.named:
+        return rel.written_as_attribute
+    unknown = [p.name for p in prim.properties if not p.is_schema and ":" not in p.name]
+    return any(is_like(name, rel.name, SIMILAR) for name in unknown)
 
 
 @once
