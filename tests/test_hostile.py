@@ -228,6 +228,22 @@ def test_names_of_a_million_letters_are_likened_to_none() -> None:
     assert closest("name", [long, "names"]) == "names"
 
 
+def test_a_member_is_no_path_of_its_own() -> None:
+    Path("main.usda").write_text(WHOLE)
+    with Sdf.ZipFileWriter.CreateNew("shot.usdz") as writer:
+        writer.AddFile("main.usda", "main.usda")
+    for member in ("main.usda", "none.usda"):
+        (problem,) = lint([f"shot.usdz[{member}]"]).problems
+        assert problem.message == "a member of a package is linted with all of it: name shot.usdz"
+
+
+def test_of_thousands_of_complaints_the_first_tells_the_place() -> None:
+    nested = "(" * 2000 + ")" * 2000
+    text = WHOLE.replace("        rel camera", f"        float x = {nested}\n        rel camera", 1)
+    (one,) = said(linted(text))
+    assert one.startswith("9:2019: ")
+
+
 def test_each_of_many_sublayers_is_found_in_one_look(monkeypatch: pytest.MonkeyPatch) -> None:
     from usdrender_lint.usda.scan import Scan
 

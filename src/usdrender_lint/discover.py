@@ -11,6 +11,7 @@ from . import gitignore
 from .config import NAME, SHARED, Configuration
 from .config.find import Configurations, absolute
 from .handed import bytes_at
+from .packages import split_package
 from .patterns import Patterns
 from .records import dataclass
 from .results import Problem
@@ -307,6 +308,10 @@ def _no_file(path: str, shown: Shown) -> Problem | None:
     try:
         os.lstat(path)
     except (FileNotFoundError, NotADirectoryError):
+        package, member = split_package(path)
+        if member and os.path.isfile(package):
+            said = f"a member of a package is linted with all of it: name {shown(package)}"
+            return Problem("missing-path", shown(path), said)
         return Problem("missing-path", shown(path), "no such file or folder")
     except OSError as error:
         return Problem("unreadable-file", shown(path), f"cannot be read: {_reason(error)}")

@@ -15,6 +15,8 @@ from .heads import LFS, POINTER, why_no_layer
 from .unopened import ParseProblem, Unreadable
 
 FOLDER = "a folder"
+_MANY = 100
+"""Complaints of USD about one file that are read, from the first and to the last."""
 
 ARGUMENTS = ":SDF_FORMAT_ARGS:"
 """What parts the name of a file from what its format is to be told."""
@@ -119,6 +121,9 @@ def _refused(file: str, error: Tf.ErrorException) -> Unreadable | ParseProblem:
     from .refusal import why_not
 
     try:
-        return why_not(file, sentences(error.args))
+        said = error.args
+        if len(said) > 2 * _MANY:  # each quotes the rest of its line, which may be long
+            said = (*said[:_MANY], *said[-_MANY:])
+        return why_not(file, sentences(said))
     except OSError as gone:  # since it was looked at
         return _cannot_be_read(file, gone)

@@ -167,7 +167,13 @@ def from_stdin(ctx: click.Context, name: str | None) -> str:
     path = name or absolute(STDIN)
     if sys.stdin is None:
         raise click.UsageError("'-': standard input is closed", ctx)
-    ctx.with_resource(handing_over(path, sys.stdin.buffer.read()))
+    data = sys.stdin.buffer.read()
+    try:
+        ctx.with_resource(handing_over(path, data))
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        said = f"{Path(path).name[:80]!r} cannot be kept meanwhile: {reason}"
+        raise click.BadParameter(said, ctx, param_hint="--stdin-filename") from None
     return path
 
 
