@@ -138,7 +138,12 @@ class TestChoose:
         chosen, said = choose(evidence)
         assert (chosen.name, said) == (name, reason)
 
-    def test_all_traces_are_named_and_count(self) -> None:
+    def test_of_many_traces_of_a_kind_some_are_named(self) -> None:
+        chosen, said = choose(Evidence(schemas=tuple((f"OmniRtx{n}API", 1) for n in range(16))))
+        assert chosen.name == "omniverse"
+        assert said == "applied schemas 'OmniRtx0API', 'OmniRtx1API', 'OmniRtx2API' and 13 more"
+
+    def test_traces_of_all_kinds_are_named_and_count(self) -> None:
         evidence = Evidence(
             namespaces=(("omni", 1), ("rtx", 1)),
             product_types=(("arnold", 1),),

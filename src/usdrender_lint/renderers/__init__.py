@@ -164,9 +164,17 @@ def choose(evidence: Evidence, own: tuple[Own, ...] = ()) -> tuple[Renderer, str
         said = f"traces of {' and '.join(contenders)}, none by far the most"
         return _any_of(contenders, own), said
     (name,) = contenders
-    reasons = (f"{_TRACES[kind]} {', '.join(map(repr, t))}" for kind, t in traces[name].items())
+    reasons = (f"{_TRACES[kind]} {_some(found)}" for kind, found in traces[name].items())
     return renderer(name, own), "; ".join(reasons)
 
+
+def _some(names: list[str]) -> str:
+    """Whoever doubts the choice looks one of them up; a stage may have dozens."""
+    told = ", ".join(map(repr, names[:_SOME]))
+    return f"{told} and {len(names) - _SOME} more" if len(names) > _SOME else told
+
+
+_SOME = 3
 
 _TRACES = {
     "namespaces": "properties in the namespace",
