@@ -71,6 +71,7 @@ LAYERS = (
         "sublayers",
         "stage",
         "packages",
+        "torn",
         "sites",
         "reach",
         "discover",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,7 @@ from usdrender_lint.read.crate_types import crate_types
 from usdrender_lint.read.members import member
 from usdrender_lint.read.specs import there
 from usdrender_lint.results import Report
+from usdrender_lint.torn import torn_among
 from usdrender_lint.unopened import DamagedError
 
 SCENE = (ROOT / "fixtures" / "formats" / "scene.usdc").read_bytes()
@@ -43,6 +45,47 @@ def linted(data: bytes) -> Report:
 def told(report: Report) -> list[tuple[str, str]]:
     assert not report.files
     return [(p.kind, p.message) for p in report.problems]
+
+
+def torn(by: int) -> bytes:
+    """The table of tokens announces more bytes than it holds."""
+    data = bytearray(SCENE)
+    contents = struct.unpack_from("<q", data, 16)[0]
+    for number in range(data[contents]):
+        name, start, _ = struct.unpack_from("<16sqq", data, contents + 8 + 32 * number)
+        if name.startswith(b"TOKENS"):
+            size = struct.unpack_from("<Q", data, start + 8)[0]
+            struct.pack_into("<Q", data, start + 8, size + by)
+    return bytes(data)
+
+
+@pytest.mark.parametrize("by", [1, 100])
+@pytest.mark.parametrize(
+    "name", ["a.usdc", "a.usd", "a.usdz", "b.usdz[x/a.usdc]", "c.usdz[a.usdz]"]
+)
+def test_a_table_of_names_that_is_shorter_than_it_says(name: str, by: int) -> None:
+    """USD takes for names what its memory holds behind them: it may refuse the crate or open it."""
+    file, inside = name.partition("[")[0], name.endswith("]")
+    for data, is_torn in ((SCENE, False), (torn(by), True)):
+        Path("a.usdc").write_bytes(data)
+        if name == "a.usd":
+            Path("a.usd").write_bytes(data)
+        if inside or name == "a.usdz":
+            with Sdf.ZipFileWriter.CreateNew("a.usdz") as writer:
+                writer.AddFile("a.usdc", "a.usdc")
+        if inside:
+            Path("first.usda").write_text("#usda 1.0\n(subLayers = [@./x/a.usdc@])\n")
+            with Sdf.ZipFileWriter.CreateNew(file) as writer:
+                if file == "b.usdz":
+                    writer.AddFile("first.usda", "first.usda")
+                    writer.AddFile("a.usdc", "x/a.usdc")
+                else:
+                    writer.AddFile("a.usdz", "a.usdz")
+        assert [one.file for one in torn_among([name, ""])] == ([name] if is_torn else [])
+        for root in (file, "over.usda"):
+            Path("over.usda").write_text(f"#usda 1.0\n(subLayers = [@./{file}@])\n")
+            report = lint([root])
+            assert report.complete is not is_torn
 
 
 def test_a_property_that_is_listed_and_not_there() -> None:

@@ -14,6 +14,8 @@ MAGIC = b"PXR-USDC"
 """What every crate begins with."""
 _SECTION = struct.Struct("<16sqq")
 _MAX_TOKENS = 1 << 28
+_SHORT = 1 << 16
+"""Bytes of a table of tokens that is unpacked in 4 ms."""
 _LITTLE = 1 << 20
 """Bytes of a crate, of which the tokens of several are kept."""
 
@@ -48,8 +50,8 @@ def tokens_of(file: str, most: int = _MAX_TOKENS) -> bytes | None:
 
 def _tokens_in(file: str, most: int, _version: tuple[int, ...]) -> bytes | None:
     with open(file, "rb") as stream:
-        tokens = _tokens(stream.read(88), stream, most)
-    return None if tokens is None else b"\0" + tokens
+        table = _table(stream, 0, most)
+    return b"\0" + table[0] if table is not None and len(table[0]) == table[1] else None
 
 
 # Several questions are asked of one crate, one soon after the other.
@@ -57,26 +59,40 @@ _tokens_of_little = lru_cache(maxsize=8)(_tokens_in)
 _tokens_of_large = lru_cache(maxsize=1)(_tokens_in)
 
 
+def is_torn(file: str, base: int = 0) -> bool:
+    """Whether a crate, which begins at `base` of a file, has a table of tokens that holds less than
+    it announces. USD then reads on in whatever its memory holds: it may refuse the crate at one run
+    and not at the next (26.11). Not asked of large tables."""
+    try:
+        with open(bytes_at(file), "rb") as stream:
+            table = _table(stream, base, _SHORT)
+    except (OSError, struct.error, IndexError, ValueError):
+        return False
+    return table is not None and len(table[0]) < table[1]
+
+
 def forget_large() -> None:
     """Where nobody will ask again: there may be 200 MB of them."""
     _tokens_of_large.cache_clear()
 
 
-def _tokens(bootstrap: bytes, stream: BinaryIO, most: int) -> bytes | None:
+def _table(stream: BinaryIO, base: int, most: int) -> tuple[bytes, int] | None:
+    """The tokens, and how many bytes of them are announced."""
+    read, seek = stream.read, stream.seek
+    seek(base)
+    bootstrap = read(88)
     if not bootstrap.startswith(MAGIC) or tuple(bootstrap[8:11]) < (0, 4, 0):
         return None
-    read, seek = stream.read, stream.seek
-    seek(struct.unpack_from("<q", bootstrap, 16)[0])
+    seek(base + struct.unpack_from("<q", bootstrap, 16)[0])
     (count,) = struct.unpack("<Q", read(8))
     for _ in range(min(count, 64)):
         name, start, _size = _SECTION.unpack(read(_SECTION.size))
         if name.rstrip(b"\0") == b"TOKENS":
-            seek(start)
+            seek(base + start)
             _number, plain_size, packed_size = struct.unpack("<QQQ", read(24))
             if plain_size > most or packed_size > most:
                 return None
-            plain = unpack(read(packed_size), plain_size)
-            return plain if len(plain) == plain_size else None
+            return unpack(read(packed_size), plain_size), plain_size
     return None
 
 

@@ -40,6 +40,7 @@ from .run import Crash, Subject, Told, run, subjects_of
 from .settle import settle, unique
 from .stage import Opened, open_stage
 from .sublayers import sublayers_of
+from .torn import torn_among
 from .unopened import DamagedError, ParseProblem, Unreadable
 from .variants import Outcome, merge_outcomes
 
@@ -222,6 +223,7 @@ class _File:
         if opened.unparsed or any(error.touches_spec for error in scope.errors):
             self._whole = False
         used = list(opened.stage.GetUsedLayers())
+        opened.unreadable += torn_among(opened.reopened.union(one.realPath for one in used))
         found, crashes = self._findings([*self._subjects(opened, scope, used)], chosen, locator)
         if self._about:
             concerns = Concerns(opened.stage, self._about)

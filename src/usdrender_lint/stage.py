@@ -42,6 +42,9 @@ class Opened:
     whole: bool = False
     """Nothing is left out."""
     unreadable: list[Unreadable] = field(default_factory=list)
+    reopened: set[str] = field(default_factory=set)
+    """Files of layers that arcs and sublayers lead to and that were found to open. A damaged one may
+    have been refused when the stage was composed."""
     unparsed: list[ParseProblem] = field(default_factory=list)
     render_prims: list[Usd.Prim] | None = None
     """See the functions of these names. None: not yet asked for, of what is populated by now."""

@@ -350,6 +350,8 @@ class Failures:
                     self._opened.unreadable.append(
                         Unreadable(resolved, "unreadable-file", told, layer.identifier)
                     )
+        if found is not None:
+            self._opened.reopened.add(found.realPath)
         self._opened_files[identifier] = found
         return "" if found else "unopened-asset", found
 
