@@ -15,10 +15,13 @@ from conftest import ROOT
 from usdrender_lint import lint_file
 from usdrender_lint.lint import lint
 from usdrender_lint.model import Site, State, Target
+from usdrender_lint.read import read
 from usdrender_lint.read.crate_types import crate_types
 from usdrender_lint.read.members import member
 from usdrender_lint.read.specs import there
+from usdrender_lint.read.text import Texts
 from usdrender_lint.results import Report
+from usdrender_lint.stage import open_stage
 from usdrender_lint.torn import torn_among
 from usdrender_lint.unopened import DamagedError
 
@@ -86,6 +89,24 @@ def test_a_table_of_names_that_is_shorter_than_it_says(name: str, by: int) -> No
             Path("over.usda").write_text(f"#usda 1.0\n(subLayers = [@./{file}@])\n")
             report = lint([root])
             assert report.complete is not is_torn
+
+
+def test_a_sublayer_that_opens_only_when_it_is_looked_at_again() -> None:
+    """Somebody was still writing it. What it holds is missing from what was linted."""
+    Path("shot.usda").write_text("#usda 1.0\n(subLayers = [@./late.usda@, @./missing.usda@])\n")
+    Path("late.usda").write_text('#usda 1.0\ndef Scope "Render" {')
+    opened = open_stage(Sdf.Layer.FindOrOpen("shot.usda"), ("/Render",))
+    Path("late.usda").write_text("#usda 1.0\n")
+    scope = read(opened, Texts())
+    assert [(Path(one.file).name, one.message) for one in opened.unreadable] == [
+        (
+            "late.usda",
+            "USD refused it when it composed the stage, and opens it now: it was being written, or it is damaged",
+        )
+    ]
+    assert [(error.kind, error.asset) for error in scope.errors] == [
+        ("missing-asset", "./missing.usda")
+    ]
 
 
 def test_a_property_that_is_listed_and_not_there() -> None:

@@ -35,6 +35,7 @@ _FOUND_ON_SPECS = {
 _EXPRESSION = "ErrorVariableExpressionError"
 _SPEC = lazily(r" at (/\S*) in @(.*?)@: ")
 _RELOCATION = lazily(r"[Rr]elocation from <(.*?)>.*? authored at @(.*?)@<(.*?)>")
+_BY_NOW = "USD refused it when it composed the stage, and opens it now: it was being written, or it is damaged"
 _OF_SUBLAYERS = {"ErrorInvalidSublayerPath", _EXPRESSION}
 
 
@@ -197,6 +198,10 @@ class Failures:
         return layers.index(site.layer) if site.layer in layers else len(layers)
 
     @cached_property
+    def _used(self) -> set[Sdf.Layer]:
+        return {*self._opened.stage.GetUsedLayers()}
+
+    @cached_property
     def _own(self) -> list[Sdf.Layer]:
         return list(self._opened.stage.GetLayerStack(includeSessionLayers=True))
 
@@ -284,8 +289,7 @@ class Failures:
         return _Evaluated(value, problem, sites, unset)
 
     def _sublayers(self) -> Iterator[Failure]:
-        used = sorted(self._opened.stage.GetUsedLayers(), key=lambda layer: layer.identifier)
-        for layer in used:
+        for layer in sorted(self._used, key=lambda layer: layer.identifier):
             for written in layer.subLayerPaths:
                 yield from self._check_sublayer(layer, written)
 
@@ -300,6 +304,10 @@ class Failures:
         elif asset:
             kind, found = self._open(layer, asset, site)
             if found is not None:
+                if found not in self._used:
+                    self._opened.unreadable.append(
+                        Unreadable(found.realPath, "unreadable-file", _BY_NOW, layer.identifier)
+                    )
                 return
         else:
             return  # an expression that gives nothing, on purpose
