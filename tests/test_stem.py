@@ -17,8 +17,9 @@ import pytest
 from test_workers import Doing, named, told
 from usdrender_lint.discover import Target
 from usdrender_lint.job import FileResult
+from usdrender_lint.processes import copies
 from usdrender_lint.processes import stem as stems
-from usdrender_lint.processes.copies import Line, Pipes, copied
+from usdrender_lint.processes.copies import Lifeline, Line, Pipes, awaited, copied
 from usdrender_lint.processes.stem import Stem
 from usdrender_lint.processes.worker import serve_whatever
 from usdrender_lint.processes.workers import Isolated, Worker, forked, run
@@ -176,6 +177,24 @@ def test_one_that_has_died_before_is_no_harm() -> None:
     with crew(2, 2) as (how, stem):
         os.kill(stem, signal.SIGKILL)
         assert told(run(Doing(), named("a", "b"), how, forked)) == ["a", "b"]
+
+
+def test_one_that_is_told_to_end_before_it_has_begun_never_does(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Its lifeline is cut before it holds on to it."""
+    really = copies._settle_down
+
+    def late(line: Lifeline) -> None:
+        assert line.life is not None
+        line.recv(1)  # until the other end of the line is closed
+        really(line)
+
+    monkeypatch.setattr(copies, "_settle_down", late)
+    copy = copied(lambda _: (tmp_path / "begun").touch())
+    copy.channel.close()
+    assert awaited(copy.gone) == 1
+    assert not (tmp_path / "begun").exists()
 
 
 @pytest.mark.parametrize("when", ["meanwhile", "progress"])

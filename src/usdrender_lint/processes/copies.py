@@ -174,7 +174,10 @@ def _settle_down(line: Lifeline) -> None:
 
         # The signal that the pipe is broken reaches even a process that hangs: it ends it.
         fcntl.fcntl(line.life, fcntl.F_SETOWN, os.getpid())
-        fcntl.fcntl(line.life, fcntl.F_SETFL, os.O_ASYNC)
+        fcntl.fcntl(line.life, fcntl.F_SETFL, os.O_ASYNC | os.O_NONBLOCK)
+        with suppress(BlockingIOError):  # raised by a pipe that is whole
+            os.read(line.life, 1)
+            os._exit(1)  # it was broken before it could tell
 
 
 def do_and_exit(task: Callable[[], None]) -> NoReturn:
