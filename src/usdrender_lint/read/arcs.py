@@ -330,12 +330,12 @@ class Failures:
         plain, _, arguments = identifier.partition(ARGUMENTS)
         resolved = self._opened.stage.ResolveIdentifierToEditTarget(plain)
         # With arguments USD takes every name for that of a file. pathlib raises for long names.
-        if arguments and not os.path.exists(split_package(resolved)[0]):  # noqa: PTH110
+        if arguments and not os.path.exists(split_package(resolved)[0]):  # noqa: PTH110 see above
             resolved = ""
         if not resolved:
             foreign = _SCHEME.match(asset.partition(ARGUMENTS)[0])
             return "foreign-resolver" if foreign else "missing-asset", None
-        if os.path.isdir(resolved):  # noqa: PTH112
+        if os.path.isdir(resolved):  # noqa: PTH112 likewise
             return "folder", None
         member = resolved.endswith("]")
         if not member and not resolved.lower().endswith(USD_SUFFIXES):
