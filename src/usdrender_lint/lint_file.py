@@ -223,7 +223,8 @@ class _File:
         if opened.unparsed or any(error.touches_spec for error in scope.errors):
             self._whole = False
         used = list(opened.stage.GetUsedLayers())
-        opened.unreadable += torn_among(opened.reopened.union(one.realPath for one in used))
+        files = opened.reopened.union(one.realPath for one in used)
+        opened.unreadable += torn_among(files.difference(one.file for one in opened.unreadable))
         found, crashes = self._findings([*self._subjects(opened, scope, used)], chosen, locator)
         if self._about:
             concerns = Concerns(opened.stage, self._about)
